@@ -145,17 +145,17 @@ class Family:
         return low <= n * (1 + 1e-9) and n <= STEP * high * (1 + 1e-9)
 
     def expected(self, n: float) -> tuple[float, str, float]:
-        """Largest relative error, a fraction, that is expected of the calibrated quantities at n
-        elements per smaller semi-axis, the key of its quantity, and the part of the mesh. The rest
-        is the reading error.
+        """Largest of the relative errors of the calibrated quantities at n elements per smaller
+        semi-axis, which are sums of mesh and reading error; the key of its quantity; and its mesh
+        error.
         """
         mesh = {name: self.mesh(name, n) for name in self.reading}
         return max((part + self.reading[name](n), name, part) for name, part in mesh.items())
 
     @property
     def least(self) -> float:
-        """Smallest relative accuracy that a mesh which the laws cover is expected to meet; mesh and
-        reading may take 0.95 (AIM) of it.
+        """Smallest relative accuracy that may be asked for: errors of mesh and reading on the
+        finest mesh that the laws cover, over 0.95 (AIM), their share of an accuracy.
         """
         return self.expected(STEP * self.resolution[1])[0] / AIM
 

@@ -105,7 +105,9 @@ class Price:
 
     @property
     def _rolled(self) -> int:
-        """Number of patches, each of which has a block in passes."""
+        """Number of patches that boundary elements find; passes roll over each with a block of its
+        own. 1 where boundary elements are not solved or find none.
+        """
         elastic = self.plan.context.half_spaces.elastic
         return 1 if isinstance(elastic, str) else len(elastic.patches)
 

@@ -21,8 +21,9 @@ def readable(path: str) -> bool:
 
 
 def existing(value: object, suffixes: tuple[str, ...]) -> str:
-    """The absolute path of a readable file with one of some extensions, small letters with a dot.
-    Raises ValueError (one line) for another value.
+    """Absolute path of a file, of which is checked that it can be read and has one of the allowed
+    suffixes. suffixes: small letters with the dot, such as ".csv"; the file's may be in capitals.
+    Raises ValueError, with a text of one line, where this is not so.
     """
     path = os.path.abspath(str(value))
     if not path.lower().endswith(suffixes) or not readable(path):

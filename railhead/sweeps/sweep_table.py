@@ -164,11 +164,11 @@ def verdict(rows: Sequence[Mapping[str, Any]], units: Units = BASE_UNITS) -> lis
 
 
 def transfer(rows: Sequence[Mapping[str, Any]]) -> dict[str, float]:
-    """Where the load goes over from one head to the other, of rows over rail.position with both:
-    "half_mm", the position at which each has half of it, "from_mm" and "to_mm", those between which
-    each has more than 1 % (NOTHING; at most the first and the last row), and the largest pressure
-    of all rows, "largest_MPa". The share is linear between rows. Empty where the load does not go
-    over, or more than once.
+    """Positions along a crossing between which the load passes from one head to the other, mm:
+    "half_mm" at which both carry half of it; "from_mm" and "to_mm", between which each carries more
+    than 1 % (NOTHING), or the ends of the rows; and the largest pressure of all rows,
+    "largest_MPa". Between rows the share is linear. Empty where the load does not pass, or passes
+    more than once. rows: of sweep.csv over rail.position, of which those with two heads count.
     """
     known = [row for row in rows if row.get("share wing") is not None and POSITION in row]
     known.sort(key=lambda row: row[POSITION])

@@ -137,10 +137,14 @@ class Model:
         steps: int | None = None,
         progress: Progress = lambda line: None,
     ) -> Solution:
-        """Solution from rest under loads of hubs (collective). steps: into which the loads are cut;
-        None: 1, and 10 with yield or friction. progress: called with a line of each, on the first
-        rank; `print` shows them. Raises ValueError for tags that nothing carries, for
-        a cell without a body, and for loads that do not fit their hub.
+        """Equilibrium under loads that grow from zero (collective).
+
+        loads: of each hub a `Force` or a `Move`; a hub without a load does not move.
+        steps: number of equal load steps; None: 1, and 10 with yield or friction.
+        progress: called on the first rank with a line of text after each step.
+        Raises ValueError for tags that no cell or facet has, for a cell without a body, and for
+        loads that do not fit their hub. Where a step does not converge, the last state that did is
+        returned, with `converged` False.
         """
         if self._assembly is None:
             self._assembly = Assembly(*self._mesh, self.parts, self.__dict__.get("u"))

@@ -65,14 +65,15 @@ def cell_fields(model: Assembly, state: State) -> dict[str, Any]:
 
 
 def _own_cells(model: Assembly) -> CellSet:
-    """The cells that this rank owns."""
+    """Cells that belong to this rank, without those that it shares as ghosts."""
     topology = model.bulk.space.mesh.topology
     return CellSet.of(model.bulk, np.arange(topology.index_map(topology.dim).size_local))
 
 
 def _fitted(model: Assembly, tensors: Array, reference: Array) -> Any:
-    """dolfinx Function of tensors nearest to values (..., 3, 3) at the same reference points (g, c)
-    in each cell of this rank (collective).
+    """Tensors (3, 3) as a dolfinx Function, of one degree less than the displacement: in each cell
+    the least-squares fit to values (..., 3, 3) at reference points (g, c), which are the same in
+    all cells of this rank (collective).
     """
     mesh, degree = model.bulk.space.mesh, model.bulk.degree - 1
     made = compat.fem.Function(compat.tensor_space(mesh, degree))

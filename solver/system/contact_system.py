@@ -178,8 +178,9 @@ class ContactSystem:
         return self.reduction.unknowns
 
     def supports(self, space: Any) -> Held:
-        """What the fixed face, the symmetry planes and the hub leave to the owned block dofs of a
-        space (collective).
+        """Conditions on the displacement at the owned block dofs of a space, by the fixed face, the
+        symmetry planes and, under load control, the hub, which moves freely along the push
+        (collective).
         """
         hubs = [self.hub] if self.setup.load_control else []
         return held(space, self.facet_tags, self.masks, hubs)
@@ -199,8 +200,8 @@ class ContactSystem:
         return out
 
     def support_field(self, field: Callable[[int, Array], Array]) -> Array:
-        """Values (n, c) of a displacement field at the n owned block dofs, mm: on the fixed face
-        and at the hub the field, elsewhere zero (collective).
+        """Displacement (n, c), mm, at the n block dofs of this rank: that of a field on the fixed
+        face and at the hub, zero elsewhere (collective).
 
         field: (body tag, points in space (k, 3) mm) -> displacement in space (k, 3) mm.
         """
@@ -223,9 +224,9 @@ class ContactSystem:
         return self.solution(self.problem, self._newton(case), prescribed, case)
 
     def apply(self, problem: ContactProblem, case: LoadCase) -> PETSc.Vec:
-        """Write a load case into a contact problem: its forces, and the gap and normal stress where
-        the free unknowns are zero; nothing is solved. Returns the prescribed displacement u0 on all
-        dofs, mm (collective).
+        """Set the forces of a contact problem, and its gap and normal stress at zero free unknowns,
+        to those of a load case; nothing is solved. The result is the prescribed displacement u0 on
+        all dofs, mm (collective).
         """
         setup, prescribed = self.setup, self.prescribed(case)
         force = self.reactions.forces(prescribed)

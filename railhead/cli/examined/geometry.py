@@ -122,7 +122,7 @@ class Location(Examined):
 
     @property
     def _shifts(self) -> Array:
-        """Rising lateral shifts of the rows, mm."""
+        """Lateral shifts of the wheelset in the rows of the table, mm, ascending."""
         return SHIFTS if self.shifts is None else self.shifts
 
     @cached_property
@@ -148,8 +148,8 @@ class Location(Examined):
 
     @cached_property
     def level(self) -> RollingRadii:
-        """`radii` without roll, as the tables of EN 15302 are, where the scene gives none; as far
-        as the wheelset can stand with its roll.
+        """Rolling radii of both wheels over the shift on an axle that stays level, as EN 15302
+        tabulates them; where the scene gives a roll, those of `radii`.
         """
         if self.scene.wheelset.roll is not None:
             return self.radii
