@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -252,6 +253,16 @@ class Contact:
         rail.
         """
         return [(body, *profile) for body, profile in self.profiles.items()]
+
+    @property
+    def edges(self) -> list[float]:
+        """Places y in space (mm) at which a body ends: the ends of both profiles, and of the
+        tread's width around the first contact, at plus and minus infinity where the wheel has no
+        width.
+        """
+        half = (self.scene.wheel.width or math.inf) / 2
+        ends = [end + shift for _, each, shift in self.cross_profiles for end in each.domain]
+        return [*ends, self.touch.y - half, self.touch.y + half]
 
     @property
     def kinematics(self) -> Kinematics:

@@ -99,7 +99,7 @@ class HalfSpacePair:
         curvatures = [each.curvature(y - shift) for _, each, shift in self.contact.cross_profiles]
         return not self.contact.curved_solid or float(np.ptp(curvatures, axis=1).max()) < STRAIGHT
 
-    @property
+    @cached_property
     def boundary_elements(self) -> BoundaryElementSolution:
         """Boundary elements under the load of the scene or, without one, at its approach. Raises
         ValueError as `solve`.

@@ -153,6 +153,16 @@ class Sheared:
         moment of the wheel on the rail, and those of coarser grids. Slip is taken at the cell
         centres where bodies of like materials roll. A line contact has no moment.
         """
+        grids, found = [self], None
+        while grids[-1].coarse is not None:
+            grids.append(grids[-1].coarse)
+        for each in reversed(grids):
+            found = replace(each._on_one_grid(), coarse=found)
+        assert found is not None
+        return found
+
+    def _on_one_grid(self) -> FrictionSolution:
+        """`solution` without those of coarser grids."""
         places, tangents = [], []
         for window in (patch.pressed for patch in self.patches):
             shape = window.pressure.shape
@@ -163,8 +173,7 @@ class Sheared:
         found = at_cells(self.found, places, tangents, touches, self.scale, centred=centred)
         along_rail, aside, moment = map(float, self.forces)
         turns = 0.0 if self.pair.contact.line else moment  # a strip's arms only magnify rounding
-        coarse = None if self.coarse is None else self.coarse.solution
-        return replace(found, force=(along_rail, aside), moment=turns, coarse=coarse)
+        return replace(found, force=(along_rail, aside), moment=turns)
 
 
 def patches(pair: HalfSpacePair, pressed: Pressed, cells: int) -> list[PressedPatch]:

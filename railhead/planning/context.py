@@ -9,8 +9,10 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
+from railhead.contact import wheelset_kinematics
 from railhead.contact.plane_section import Dimension
 from railhead.contact.solid import Contact
+from railhead.contact.wheelset_kinematics import WheelsetCreepage
 from railhead.half_spaces import allowance
 from railhead.half_spaces.allowance import Allowance
 from railhead.half_spaces.pressing import HalfSpacePair
@@ -170,25 +172,39 @@ class Context:
         tags = [tag for tag, each in decided.items() if each.on]
         return allowance.allowance(self.half_spaces, tags, self.twist_change)
 
+    @cached_property
+    def wheelset(self) -> WheelsetCreepage:
+        """Creepage of the wheel from its wheelset. Raises SceneError where there is none."""
+        return wheelset_kinematics.wheelset_creepage(self.contact)
+
+    @cached_property
+    def von_mises(self) -> dict[str, float]:
+        """Largest von Mises stress, MPa, of both bodies as half-spaces, elastic and frictionless,
+        by 'rail' and 'wheel'.
+        """
+        bodies = self.scene.bodies.items()
+        return {name: self.half_spaces.von_mises(part.poisson_ratio) for name, part in bodies}
+
     @property
-    def _limits(self) -> list[tuple[float, float]]:
-        """Poisson's ratio and yield stress, MPa, of the stressed bodies that have one."""
-        parts = self.stressed.values()
-        return [(part.poisson_ratio, part.first_yield) for part in parts if part.yields]
+    def yielding(self) -> dict[str, Rail | Wheel]:
+        """Those of `stressed` that have a yield stress, whether or not they reach it."""
+        return {name: part for name, part in self.stressed.items() if part.yields}
 
     @property
     def over_yield(self) -> float:
         """Largest ratio of the von Mises stress of half-spaces, elastic and frictionless, to the
         yield stress of a body; 1 where no body has one.
         """
-        return self.half_spaces.over_yield(self._limits)
+        ratios = (self.von_mises[name] / part.first_yield for name, part in self.yielding.items())
+        return max(ratios, default=1.0)
 
     @cached_property
     def overload(self) -> float:
         """Load over that of first yield of elastic half-spaces without friction; 1 where no body
         has a yield stress.
         """
-        return self.half_spaces.overload(self._limits)
+        parts = self.yielding.values()
+        return self.half_spaces.overload([(part.poisson_ratio, part.first_yield) for part in parts])
 
     @property
     def accuracy(self) -> float:

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from railhead.contact import closed_forms, plane_section, wheelset_kinematics
+from railhead.contact import closed_forms, plane_section
 from railhead.half_spaces import torque_free
 from railhead.meshing.bodies import (
     BODY_NAMES,
@@ -74,7 +74,7 @@ class Plan(Decisions):
         """
         wheelset = {}
         if self.scene.rolling.from_wheelset:
-            wheelset["wheelset"] = wheelset_kinematics.wheelset_creepage(self.contact).summary()
+            wheelset["wheelset"] = self.context.wheelset.summary()
         return {
             "effects": {name: effect.summary() for name, effect in self.effects.items()},
             "unknowns": self.unknowns,

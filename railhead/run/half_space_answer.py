@@ -20,7 +20,6 @@ from railhead.half_spaces import shearing
 from railhead.half_spaces.allowance import added_stress
 from railhead.half_spaces.pressing import FINE, HalfSpacePair, Pressed
 from railhead.half_spaces.shearing import Motion, Sheared
-from railhead.planning.effects import shape
 from railhead.planning.simulation_plan import Plan
 from railhead.postprocess.findings import Findings
 from railhead.postprocess.friction import AT_BORDER, LOADS, MOTION, quantities
@@ -137,8 +136,8 @@ def _read(plan: Plan, pressed: Pressed, sheared: Sheared | None = None) -> HalfS
     stressed = plan.poisson_ratios if asked else {}
     poisson = stressed if sheared is None else {}
     if isinstance(pressed, BoundaryElementSolution):
-        found = half_space.of_boundary_elements(pressed, points, frame, poisson)
-        found = replace(found, edge_distance=_edge_distance(plan, found))
+        edges = plan.contact.edges
+        found = half_space.of_boundary_elements(pressed, points, frame, poisson, edges)
     else:
         found = half_space.of_hertz(hertz, frame, poisson, section=plan.plane_model)
     load, friction = pressed.load, {}
@@ -156,17 +155,6 @@ def _read(plan: Plan, pressed: Pressed, sheared: Sheared | None = None) -> HalfS
         pressed=pressed,
         sheared=sheared,
     )
-
-
-def _edge_distance(plan: Plan, found: Findings) -> float:
-    """Smallest distance in y of the outlines of the patches from an edge of a profile or of the
-    tread, over the smaller half length of the most loaded patch.
-    """
-    patch, frame = found.patch, found.frame
-    s = np.concatenate(patch.outlines)[:, 1]
-    across = frame.origin[1] + math.cos(frame.angle) * s
-    room = min(float(np.abs(end - across).min()) for end in shape.edges(plan.context))
-    return room / min(patch.a, patch.b)
 
 
 def _error_parts(solved: HalfSpaceSolution) -> Parts:

@@ -76,8 +76,7 @@ def _slips(context: Context, force: float, limit: float) -> tuple[bool, str]:
             return False, "friction.coefficient = 0: it rolls freely"
         if not scene.rolling.from_wheelset:
             return True, f"the wheel rolls; {OMITTED}"
-        moves = wheelset_kinematics.wheelset_creepage(context.contact)
-        return True, f"the wheel rolls as the wheelset stands, {moves.why}; {OMITTED}"
+        return True, f"the wheel rolls as the wheelset stands, {context.wheelset.why}; {OMITTED}"
     if force:
         return True, f"a tangential force of {force:g} N, {force / limit:.3g} of mu N"
     untouched = "no tangential force and no creepage"

@@ -11,7 +11,6 @@ from railhead.planning.context import STIFFEST, Context, Effect, PostSolveVerdic
 from railhead.planning.effects import interface
 from railhead.postprocess.findings import Findings
 from railhead.scene import bodies
-from railhead.scene.scene import Rail, Wheel
 from railhead.scene.sections import refuse_first
 from railhead.theory.friction import sliding
 
@@ -51,7 +50,7 @@ def decide_deformable(body: str, context: Context) -> Effect:
     share = compliance * context.hertz.contact_modulus
     limit = SHARE * context.accuracy
     text = f"it holds {share:.3g} of the compliance (1 - nu^2)/E"
-    yields = part.yields and context.half_spaces.von_mises(part.poisson_ratio) > part.first_yield
+    yields = part.yields and context.von_mises[body] > part.first_yield
     hertzian = context.contact.solid_half_space and not (scene.friction.acts or yields)
     if share < limit and hertzian:
         return Effect(False, False, f"{text}, below {limit:.1g}: rigid", error=share)
@@ -109,7 +108,7 @@ def _elastic_only(context: Context) -> str:
     bodies, or friction of bodies that roll or differ in material. Empty where it can.
     """
     scene, decided = context.scene, context.decided
-    if _yielding(context):
+    if context.yielding:
         if scene.rolling.passes is not None and scene.effects.passes != "off":
             return IN_PASSES
         if not decided["finite_bodies"].on:
@@ -149,28 +148,20 @@ def shear_yield(context: Context) -> float | None:
     """Yield stress in shear, yield / sqrt(3), of the weaker body, MPa; None where no body has a
     yield stress.
     """
-    limits = [part.first_yield / math.sqrt(3) for part in _yielding(context).values()]
+    limits = [part.first_yield / math.sqrt(3) for part in context.yielding.values()]
     return min(limits, default=None)
 
 
 def _stresses(context: Context) -> dict[str, float]:
     """Largest elastic, frictionless von Mises stress of the stressed bodies, MPa, by name."""
-    parts = context.stressed.items()
-    return {name: context.half_spaces.von_mises(part.poisson_ratio) for name, part in parts}
-
-
-def _yielding(context: Context) -> dict[str, Rail | Wheel]:
-    """Bodies that have a yield stress, whether or not they reach it, by 'rail' and 'wheel', of
-    those that the pressure stresses.
-    """
-    return {name: part for name, part in context.stressed.items() if part.yields}
+    return {name: context.von_mises[name] for name in context.stressed}
 
 
 def _slipping(context: Context) -> tuple[float, str]:
     """Largest von Mises stress under Hertz's pressure and tractions where the whole patch slips,
     over the yield stress of the weaker body, and a text with that stress, MPa.
     """
-    friction, parts = interface.friction_coefficient(context), _yielding(context).values()
+    friction, parts = interface.friction_coefficient(context), context.yielding.values()
     most = max(
         each.von_mises
         for ratio in {part.poisson_ratio for part in parts}
@@ -194,7 +185,7 @@ def _over_yield(context: Context, stresses: Mapping[str, float]) -> tuple[float,
     stresses: von Mises stress, MPa, by body ('rail', 'wheel').
     """
     parts = context.scene.bodies
-    limits = {name: part.first_yield for name, part in _yielding(context).items()}
+    limits = {name: part.first_yield for name, part in context.yielding.items()}
     ratios = {name: stresses[name] / limits[name] for name in stresses.keys() & limits.keys()}
     if ratios:
         worst = max(sorted(ratios), key=ratios.__getitem__)

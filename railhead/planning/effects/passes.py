@@ -135,7 +135,7 @@ def decide_plasticity_wheel(context: Context) -> Effect:
     wheel, off = context.scene.wheel, context.scene.effects.plasticity_wheel == "off"
     if not context.decided["passes"].on or "wheel" not in context.stressed or not wheel.yields:
         return Effect.absent("no passes, or a wheel without a yield stress")
-    stress, limit = context.half_spaces.von_mises(wheel.poisson_ratio), wheel.first_yield
+    stress, limit = context.von_mises["wheel"], wheel.first_yield
     if traction(context):
         slipping = interface.friction_coefficient(context), wheel.poisson_ratio
         peaks = sliding.peaks(context.hertz, *slipping).values()
@@ -170,10 +170,9 @@ def _indicator(context: Context) -> tuple[float, str]:
     a sentence that holds it against first yield and the shakedown limit.
     """
     scene, hertz = context.scene, context.hertz
-    poisson = scene.rail.poisson_ratio
     shear, p0 = scene.rail.first_yield / math.sqrt(3), _largest(context)
     ratio, share = p0 / shear, traction(context)
-    first = math.sqrt(3) * p0 / context.half_spaces.von_mises(poisson)
+    first = math.sqrt(3) * p0 / context.von_mises["rail"]
     if isinstance(hertz, LineContact):
         limit, beside = line_limit(context, scene.rail), f" at Q/P = {share:.2g}"
     else:

@@ -271,7 +271,7 @@ def inside_the_bodies(context: Context, found: Findings) -> PostSolveVerdict | N
         return None
     cosine, patch = math.cos(found.frame.angle), found.patch
     middle, reach = found.frame.origin[1] + patch.centre[1] * cosine, EDGE * patch.b * cosine
-    room = min(abs(end - middle) for end in edges(context))
+    room = min(abs(end - middle) for end in context.contact.edges)
     near = bool(room < reach)
     text = f"{room:.1f} mm from the middle of the patch to the nearest edge, b = {patch.b:.2f} mm"
     return PostSolveVerdict(near, f"{text}: the edge carries load" if near else text)
@@ -307,12 +307,3 @@ def beside_a_jump(context: Context) -> PostSolveVerdict | None:
     text = f"the contact jumps at a shift of {jump:.5g} mm, {abs(jump - shift):.2g} mm away; "
     text += f"half-spaces have {' and '.join(said)}. Other profiles or yaw move the jump"
     return PostSolveVerdict(False, text, notable=True)
-
-
-def edges(context: Context) -> list[float]:
-    """Places y in space (mm) at which a body ends: the ends of both profiles, and of the tread's
-    width around the first contact, at plus and minus infinity where the wheel has no width.
-    """
-    contact, width = context.contact, context.scene.wheel.width or math.inf
-    ends = [end + shift for _, profile, shift in contact.cross_profiles for end in profile.domain]
-    return [*ends, contact.touch.y - width / 2, contact.touch.y + width / 2]

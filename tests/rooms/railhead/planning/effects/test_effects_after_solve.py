@@ -53,7 +53,9 @@ def thesis():
 def again(result, *assignments: str) -> dict:
     """The indicators of another scene on the same solution."""
     plan, found = result.plan, result.findings
-    return effects.check(replace(plan.context, scene=plan.scene.replace(assignments)), found)
+    scene = plan.scene.replace(assignments)
+    contact = replace(plan.contact, scene=scene)
+    return effects.check(replace(plan.context, scene=scene, contact=contact), found)
 
 
 def test_yield_is_judged_by_the_stress_that_was_found(thesis) -> None:
