@@ -176,16 +176,17 @@ def draw_shakedown(
     power = round(power / math.log(ratio / first)) if ratio != first else 3
     with new_figure(target, 7.4, 5.4, subject) as figure:
         axes = figure.subplots()
-        words = f"below {first:.3g}: elastic", f"below {last:.3g}: shakes down", "ratchets"
+        words = f"elastic below {first:.3g}", f"shakes down below {last:.3g}", "ratchets"
         ends = pairwise((0.0, first, last, top))
-        for (low, high), colour, word in zip(ends, (SAFE, ONCE, NEVER), words, strict=True):
+        heights = 0.04 * top, (first + last) / 2, 0.96 * top
+        drawn = zip(ends, (SAFE, ONCE, NEVER), heights, words, strict=True)
+        for (low, high), colour, height, word in drawn:
             axes.axhspan(low, high, color=colour, lw=0, zorder=0)
-            place = 0.98 * shares[-1], high - 0.02 * top
-            axes.text(*place, f"this patch {word}", ha="right", va="top")
+            axes.text(0.98 * shares[-1], height, word, ha="right", va="center")
         axes.plot(shares, limits, color=HERTZ, label="shakedown limit of a line, full slip")
         axes.plot(shares, elastic, "--", color=HERTZ, label="first yield of a line, full slip")
         sliding = shares[shares > 1 / (2 * HIGH)]
-        axes.plot(sliding, 1 / sliding, ":", color=GREY, label="surface limit, FI = 0")
+        axes.plot(sliding, 1 / sliding, ":", color=GREY, label="surface fatigue index FI = 0")
         name = "shakedown limit of a circle without friction"
         axes.plot(0, damage.CIRCLE, "^", color=HERTZ, clip_on=False, label=name)
         index = friction.get("surface_fatigue_index")
@@ -206,5 +207,6 @@ def draw_shakedown(
             ),
         )
         loads.set_ylabel("load, kN")
-        figure.legend(loc="outside upper center", ncols=2)
+        bands = f"Colours: this patch {'with its tractions' if used else 'without tractions'}"
+        figure.legend(loc="outside upper center", ncols=2, title=bands)
     return figure
