@@ -469,12 +469,13 @@ def half_spaces(solved: HalfSpaceSolution, bound: dict[str, float]) -> Iterator[
         source="the load that the pressure carries",
         advice=BODIES,
     )
-    yield from useful(solved.plan, bound, BODIES)
-    yield from accuracy(solved.plan, largest_bound(bound), BODIES)
-    if solved.findings is None or solved.plan.contact.half_space:
-        return
     flats = (part.surface for part in solved.plan.scene.bodies.values() if part.surface is not None)
     sharp = any(each.kind == "flat" and each.depth is None for each in flats)
+    advice = solved.after["surface_shape"].why if sharp and solved.findings else BODIES
+    yield from useful(solved.plan, bound, advice)
+    yield from accuracy(solved.plan, largest_bound(bound), advice)
+    if solved.findings is None or solved.plan.contact.half_space:
+        return
     yield Check(
         name="edge_distance",
         value=solved.findings.edge_distance,
@@ -488,7 +489,7 @@ def half_spaces(solved: HalfSpaceSolution, bound: dict[str, float]) -> Iterator[
         value=largest_bound({key: solved.error_parts[key].get("grid", 0.0) for key in bound}),
         limit=DEFAULT_TOLERANCE,
         source="the change from a grid of half as many cells each way",
-        advice=solved.after["surface_shape"].why if sharp else BODIES,
+        advice=advice,
     )
 
 
