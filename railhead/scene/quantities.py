@@ -531,10 +531,18 @@ class FatigueQuantities:
     )
     fi_surface: float | None = steel("fi_surface", absolute=True)
     dang_van_over_limit: float | None = steel(
-        "dang_van_over_limit", "", "Dang Van stress over its limit", like="dang_van_MPa"
+        "dang_van_over_limit",
+        "",
+        "Dang Van stress over its limit",
+        column="Dang Van over limit",
+        like="dang_van_MPa",
     )
     findley_over_limit: float | None = steel(
-        "findley_over_limit", "", "Findley stress over its limit", like="findley_MPa"
+        "findley_over_limit",
+        "",
+        "Findley stress over its limit",
+        column="Findley over limit",
+        like="findley_MPa",
     )
 
 
