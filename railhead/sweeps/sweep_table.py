@@ -334,13 +334,19 @@ class Sweep(terminal.Drawn, list[Result]):
         numbers; None: mm, N, MPa.
         """
         units = units or BASE_UNITS
-        names = [*self._columns, *short(self._rows)]
-        table = Table(box=box.SIMPLE)
-        for name in names:
-            table.add_column(Text(units.unit(name)), overflow="fold")
-        for row in self._rows:
-            table.add_row(*(Text(cell(row, name, units)) for name in names))
-        console.print(table)
+
+        def table(names: Sequence[str]) -> Table:
+            """The values and these columns. A dot and a unit may end a line of a head."""
+            names = [*self._columns, *names]
+            found = Table(box=box.SIMPLE)
+            for name in names:
+                head = units.unit(name).replace(".", ".\n").replace(" [", "\n[")
+                found.add_column(Text(head), overflow="fold")
+            for row in self._rows:
+                found.add_row(*(Text(cell(row, name, units)) for name in names))
+            return found
+
+        terminal.print_in_parts(short(self._rows), table, console, console.width)
         for line in self.verdict(units):
             console.print(line, markup=False, highlight=False)
 

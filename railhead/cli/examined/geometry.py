@@ -200,7 +200,11 @@ class Location(Examined):
 
         scene, swept, radii = self.scene, self.swept, self.radii
         wheel, rail = Path(scene.wheel.profile).name, Path(scene.rail.profile).name
-        words = f"{scene.name}: {scene.wheelset.side} wheel {wheel} on rail {rail}"
+        sides = scene.wheelset.side, "left" if scene.wheelset.side == "right" else "right"
+        words = f"{scene.name}: {sides[0]} wheel {wheel} on rail {rail}"
+        for body in ("wheel", "rail"):
+            if other := getattr(scene.wheelset, f"other_{body}"):
+                words += f", {sides[1]} {body} {Path(other).name}"
         yaw = f", yaw {1e3 * scene.wheelset.yaw:g} mrad"
         shifted = f", shifted by {units.text(scene.wheelset.shift, 'mm')} to the right"
         here, over = (Subject(words + more + yaw, units=units) for more in (shifted, ""))

@@ -33,6 +33,7 @@ TABLES = {
 }
 """Titles of the tables below the one of the contact, by their names in `quantity_rows.rows`."""
 STEEP = 0.1  # side force over the load from which it is printed
+HERE = 0.005  # mm, distance from the contact of the smooth surfaces that is no distance
 NOTHING = 1e-9  # mm, 1/mm or degrees: rounding, printed as 0
 
 
@@ -213,7 +214,8 @@ def _show_prices(prices: Sequence[Mapping[str, Any]] | None, console: Console) -
             cells += ["p_max" if name == "max_MPa" else name.rpartition("_")[0]]
             cells += [f"{each:.2%}" for each in (row["mesh"], row["reading"], other)]
         rows.append([f"{row['accuracy']:.3g}", *cells])
-    console.print(number_table("price on this machine", header, rows))
+    title = "price on this machine; the widest estimate, and its parts"
+    console.print(number_table(title, header, rows))
 
 
 def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_UNITS) -> None:
@@ -237,9 +239,11 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
         for said in filter(None, told):
             console.print(f"{said}.", highlight=False)
         if varies := summary["result"].get("surface_shape"):
-            at, height = (units.text(round(abs(each), 4), "mm") for each in varies.values())
-            side = "behind" if varies["position_mm"] < 0 else "ahead of"
-            text = f"They touch {at} {side} the smooth ones; heights there vary by {height}."
+            ahead, height = varies.values()
+            place = f"{units.text(abs(ahead), 'mm')} {'ahead of' if ahead > 0 else 'behind'}"
+            place = place if abs(ahead) >= HERE else "in the same place as"
+            height = units.text(round(height, 4), "mm")
+            text = f"They touch {place} the smooth ones; heights there vary by {height}."
             console.print(text, highlight=False)
         for name, title in TABLES.items():
             if rows := quantity_rows.rows(summary, name):
@@ -260,8 +264,8 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
         if summary["checks"]["passed"] and one and not summary["checks"]["hertzian"]:
             console.print(
                 "The patch is no Hertz ellipse "
-                f"(moments off by {summary['checks']['shape_error']:.1%}): "
-                "Hertz is what the formula would have said."
+                f"(moments of the pressure are off by {summary['checks']['shape_error']:.1%}): "
+                "the column Hertz has what the formula says all the same."
             )
         for edge in summary["result"].get("stress", {}).get("at_edges", ()):
             console.print(
@@ -276,7 +280,8 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
         labelled(console, _smoothing_uncertainty(found))
     if other := summary["plan"]["chosen"]:
         console.print(
-            f"Another problem was chosen ({', '.join(other)}): estimates are about that one.",
+            f"Switched by hand, against the plan: {', '.join(other)}. "
+            "Estimates hold for this choice; they do not say what it changes.",
             markup=False,
             highlight=False,
         )
@@ -338,11 +343,7 @@ def left_out(summary: Mapping[str, Any]) -> list[str]:
     yield first.
     """
     after = sorted(summary["effects_after"].items(), key=lambda each: each[0] != "plasticity")
-    return [
-        f"{each['why'][:1].upper()}{each['why'][1:]} ({in_words(name)}: left out)"
-        for name, each in after
-        if each["needed"]
-    ]
+    return [f"Left out: {in_words(name)}; {each['why']}" for name, each in after if each["needed"]]
 
 
 def places_of_approach(plan: Mapping[str, Any], units: Units = BASE_UNITS) -> str:
@@ -384,24 +385,34 @@ def _show_rows(title: str, rows: Sequence[Row], console: Console, units: Units) 
     """Print rows with as many columns as fit, and further columns in tables below. Empty columns
     are left out.
     """
-    width, whole = min(console.width, WIDEST), console.options.update(max_width=10**6)
-    left, above = quantity_rows.filled(rows), title
 
     def table(names: Sequence[str]) -> Table:
         """The rows that have a value in one of these columns."""
         filled = [row for row in rows if any(row[name] is not None for name in names)]
         cells = quantity_rows.texts(filled, names, units)
         lines = [[label, unit, *numbers] for label, unit, numbers in cells]
-        return number_table(above, [*quantity_rows.FIRST, *names], lines, len(quantity_rows.FIRST))
+        return number_table(title, [*quantity_rows.FIRST, *names], lines, len(quantity_rows.FIRST))
 
+    print_in_parts(quantity_rows.filled(rows), table, console, min(console.width, WIDEST))
+
+
+def print_in_parts(
+    names: Sequence[str], table: Callable[[Sequence[str]], Table], console: Console, width: int
+) -> None:
+    """Print a table of columns, as many as fit into the width (characters), and the further ones
+    in tables below, without a title. table: of some of the names.
+    """
+    whole, left = console.options.update(max_width=10**6), names
     while left:
         count = len(left)
         while count > 1 and table(left[:count]).__rich_measure__(console, whole).maximum > width:
             count -= 1
-        if not above:
+        part = table(left[:count])
+        if left is not names:
+            part.title = None
             console.print()
-        console.print(table(left[:count]))
-        left, above = left[count:], ""
+        console.print(part)
+        left = left[count:]
 
 
 def number_table(

@@ -320,8 +320,8 @@ def test_the_verdict_is_of_what_holds(result, folder: Path) -> None:
         return html.render(result.solved, {**summary, **changed}, Units(), folder, "a title")
 
     after = {"plasticity": {"needed": True, "notable": False, "why": "it yields <b>here</b>"}}
-    told = f'warn">\n<b>It yields &lt;b&gt;here&lt;/b&gt; ({in_words("plasticity")}: left out).</b>'
-    assert told in said(effects_after=after) and "left out)" not in said()
+    told = f'warn">\n<b>Left out: {in_words("plasticity")}; it yields &lt;b&gt;here&lt;/b&gt;.</b>'
+    assert told in said(effects_after=after) and "<b>Left out:" not in said()
 
     assert "The patch is no ellipse" in said(checks=no_ellipse)
     assert "The patch is no ellipse" not in said(checks={**no_ellipse, "passed": False})
