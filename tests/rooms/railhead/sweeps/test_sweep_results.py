@@ -52,6 +52,8 @@ def test_a_folder_keeps_the_sweep(tmp_path, in_this_process, capsys) -> None:
     assert command.status("show", str(out)) == 0
     lines = capsys.readouterr().out.splitlines()
     assert max(map(len, lines)) <= 80 and "4 combinations, all passed" in lines
+    cells = {cell for line in lines for cell in line.split()}
+    assert {f"{each.pressure.max:.5g}" for each in read} | {"checks", "rolling_radius"} <= cells
     assert "4 combinations, all passed" in read._repr_html_() and "body {" not in read._repr_html_()
     with pytest.raises(rh.SceneError, match="holds another sweep"):
         rh.sweep(FAST, {"load": [1e4]}, out=out, quiet=True)
