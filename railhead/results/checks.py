@@ -109,14 +109,12 @@ def run(
         "grid_error", or {"reason": ...} where there are none.
     """
     checks = [*equations(solved)]
-    if solved.result is None:
+    if solved.findings is None:
         return checks
-    if solved.findings is not None:
-        elastic = solved.elastic_reference or solved
-        checks += resolution(solved)
-        checks += physics(solved)
-        checks += second_method(elastic, estimates, second)
-    unread = solved.result.get("friction", {}).get("below_resolution", ())
+    checks += resolution(solved)
+    checks += physics(solved)
+    checks += second_method(solved.elastic_reference or solved, estimates, second)
+    unread = solved.forces.get("below_resolution", ())
     read = {key: estimates[key] for key in estimates.keys() - {*unread}}
     more = FINER if solved.plan.scene.accuracy is None else MORE
     checks += useful(solved.plan, read, more)
@@ -133,7 +131,7 @@ def friction(
 
     second: quantities of half-spaces by method, as "half_space_friction" of summary.json.
     """
-    if solved.solution.friction is None or solved.result is None:
+    if solved.solution.friction is None or solved.findings is None:
         return []
     other = (second or {}).get("boundary elements") or (second or {}).get("Carter") or {}
     return [
@@ -453,15 +451,15 @@ def half_spaces(solved: HalfSpaceSolution, bound: dict[str, float]) -> Iterator[
     yield left_out(solved)
     yield Check(
         name="converged",
-        value=math.inf if solved.result is None else 0.0,
+        value=math.inf if solved.findings is None else 0.0,
         limit=0.0,
         source=solved.reason or "boundary elements to 1e-5 of the displacement",
         advice=BODIES if closed_forms.coulomb(solved.plan.scene) else LAW,
     )
-    if solved.result is None:
+    if solved.findings is None:
         return
     yield from physics(solved)
-    load = solved.plan.scene.load or solved.result["load_N"]
+    load = solved.plan.scene.load or solved.load
     yield Check(
         name="force_balance",
         value=deviation(solved.load, load),
@@ -553,13 +551,13 @@ def forces(
     method, by the keys of "friction" in summary.json.
     """
     found = solved.solution.friction
-    assert found is not None and solved.result is not None
+    assert found is not None
     keys = [key for key in ("force_along_N", "force_across_N") if key in other]
     if not keys or not solved.plan.scene.rolling.prescribed:
         return
     force = dict(zip(("force_along_N", "force_across_N"), found.force, strict=True))
     tolerance = DEFAULT_TOLERANCE
-    if still := solved.result.get("friction", {}).get("without_creepage"):
+    if still := solved.forces.get("without_creepage"):
         estimated = [ESTIMATE_FACTOR * estimates[key] for key in force if key in estimates]
         tolerance *= math.hypot(*found.force) / found.friction_limit
         tolerance = max(estimated, default=tolerance)
@@ -613,7 +611,7 @@ def not_made(
     second_friction: quantities with friction by method; None without friction.
     """
     elastic = solved.elastic_reference or solved
-    if elastic.result is None:
+    if elastic.findings is None:
         return {}
     names, missing = {each.name for each in made}, {}
     if reason := _unknown(second):

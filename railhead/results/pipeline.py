@@ -54,7 +54,7 @@ def _passes(solved: half_space_answer.Solved, progress: Progress) -> Passes | No
     """Passes of the wheel of a solved scene over its rail, on this process alone; None where the
     plan has none, nothing touches, or off rank 0.
     """
-    if not solved.plan.effects["passes"].on or solved.result is None:
+    if not solved.plan.effects["passes"].on or solved.findings is None:
         return None
     from railhead.run import passes_of_scene
 

@@ -38,9 +38,9 @@ def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
     plan, newton = solved.plan, solved.solution.newton
     parts, source = estimates.estimate(levels)
     known = estimates.totals(parts)
-    unresolved = (solved.result or {}).get("friction", {}).get("below_resolution", [])
+    unresolved = solved.forces.get("below_resolution", [])
     reached = None
-    if plan.scene.accuracy is not None and solved.result is not None:
+    if plan.scene.accuracy is not None and solved.findings is not None:
         reached = bool(estimates.largest_error(known, solved) <= plan.scene.accuracy)
     profiles = rubbed = None
     if plan.scene.asks("second_method"):
@@ -109,11 +109,11 @@ def summarise_half_spaces(solved: HalfSpaceSolution) -> dict[str, Any]:
     """summary.json of a solution by half-spaces, with the keys of one by finite elements; nothing
     is compared with a second method.
     """
-    unresolved = (solved.result or {}).get("friction", {}).get("below_resolution", [])
+    unresolved = solved.forces.get("below_resolution", [])
     known = estimates.totals(solved.error_parts)
     bound = {key: each for key, each in known.items() if key not in unresolved}
     asked, reached = solved.plan.scene.accuracy, None
-    if asked is not None and solved.result is not None:
+    if asked is not None and solved.findings is not None:
         reached = estimates.largest_bound(bound) <= asked
     missing = {checks.SECOND: "half-spaces are the answer itself"} | checks.not_asked(solved.plan)
     return _summary(
@@ -133,7 +133,7 @@ def summarise_half_spaces(solved: HalfSpaceSolution) -> dict[str, Any]:
         },
         checks={
             **checks.summary([*checks.half_spaces(solved, bound), *checks.passes(solved)], missing),
-            "converged": solved.result is not None,
+            "converged": solved.findings is not None,
             "max_penetration_mm": 0.0,
         },
         newton={"reason": solved.reason or "no finite elements", "history": []},
@@ -228,7 +228,7 @@ def _more(solved: Solved, accuracy: Mapping[str, Any]) -> dict[str, Any]:
     if height is not None:
         ahead = result["contact_point_mm"][0]
         out["surface_shape"] = {"position_mm": ahead, "height_in_patch_mm": height}
-    if forces := result.get("friction"):
+    if forces := solved.forces:
         axle = {"axle": rolling.axle} if rolling.from_wheelset else {}
         stresses = friction.wear_and_shakedown(
             found,
@@ -238,7 +238,7 @@ def _more(solved: Solved, accuracy: Mapping[str, Any]) -> dict[str, Any]:
             rolling=rolling.prescribed,
             line=contact.line,
         )
-        out["friction"] = forces | axle | stresses
+        out["friction"] = {**forces, **axle, **stresses}
     if solved.passes is not None and solved.passes.rows:
         out |= solved.passes.summary()
     return (

@@ -29,7 +29,7 @@ from railhead.planning.error_envelopes import STEP, Family
 from railhead.planning.simulation_plan import Plan
 from railhead.postprocess.findings import Findings
 from railhead.postprocess.friction import MOTION, RISE
-from railhead.run.mesh_solution import MeshSolution
+from railhead.run.mesh_solution import Answered, MeshSolution
 from railhead.scene.quantities import ESTIMATED, QUANTITIES, SCATTER, numeric_values
 from railhead.theory.friction import kalker
 from railhead.theory.friction.solution import FrictionSolution
@@ -67,7 +67,7 @@ def largest_error(bound: Mapping[str, float], solved: MeshSolution) -> float:
     """Largest of the estimates by key, which is compared with a wanted accuracy; infinite off rank
     0, where nothing touches, and where a quantity that the mesh resolves has no estimate.
     """
-    wanted = set() if solved.result is None else resolved_values(solved).keys()
+    wanted = set() if solved.findings is None else resolved_values(solved).keys()
     if not wanted or not wanted <= bound.keys():
         return math.inf
     return max(bound[key] for key in wanted)
@@ -92,15 +92,14 @@ def not_asked(plan: Plan, keys: Set[str], known: Set[str]) -> str:
     return forces + (f"; not asked of {', '.join(rest)}" if rest else "")
 
 
-def of_grids(found: Findings | None, result: Mapping[str, Any] | None) -> float:
+def of_grids(solved: Answered) -> float:
     """Largest relative error that the grids of tractions leave, on any mesh, of what is compared
     with a wanted accuracy: the largest stresses, forces over mu N, the motion; 0 without findings.
-    result: as of summary.json.
     """
-    if found is None or result is None:
+    if solved.findings is None:
         return 0.0
-    errors = friction_errors(result, None, 0.0, 0.0)
-    return largest_bound({**found.surface_error, **{k: grid for k, (_, grid) in errors.items()}})
+    grids = {key: grid for key, (_, grid) in friction_errors(solved, None, 0.0, 0.0).items()}
+    return largest_bound({**solved.findings.surface_error, **grids})
 
 
 def resolved_values(solved: MeshSolution) -> dict[str, float]:
@@ -154,18 +153,18 @@ def reading_errors(found: Findings) -> dict[str, float]:
 
 
 def friction_errors(
-    result: Mapping[str, Any], found: FrictionSolution | None, area: float, pressure: float
+    solved: Answered, found: FrictionSolution | None, area: float, pressure: float
 ) -> dict[str, tuple[float, float]]:
     """Errors of the numbers of friction by key of summary.json, of forces over mu N, of the stick
     share in itself, others relative: what the error of the patch changes, and that of the grids of
     the tractions. Without numbers that are given or 0, and empty without grids.
 
-    result: as of summary.json. found: tractions; None: of all mu N. area, pressure: relative errors
-        of the area and of the largest pressure. Between several patches forces may move.
+    solved: has findings. found: tractions; None: of all mu N. area, pressure: relative errors of
+        the area and of the largest pressure. Between several patches forces may move.
     """
-    errors, friction, felt = dict[str, tuple[float, float]](), result.get("friction", {}), 1.0
-    if found is not None:
-        felt = found.used if len(result.get("patches", ())) > 1 else found.sensitivity
+    errors, friction, felt = dict[str, tuple[float, float]](), solved.forces, 1.0
+    if found is not None and solved.findings is not None:
+        felt = found.used if len(solved.findings.patch.each) > 1 else found.sensitivity
     values = _with_rises(friction)
     for key in friction.get("grid_error", {}).keys() - {"limit_N", "coefficient"}:
         value, change = abs(values[key]), friction["grid_error"][key]
@@ -254,8 +253,7 @@ def _of_rigid_bodies(solved: MeshSolution) -> set[str]:
     """Keys of the largest stresses that are in a body that is not meshed. They follow from the
     largest pressure of the solution.
     """
-    assert solved.result is not None
-    stress = solved.result.get("stress", {})
+    stress = (solved.result or {}).get("stress", {})
     return {
         each.key
         for each in QUANTITIES
@@ -298,7 +296,7 @@ def estimate(meshes: Sequence[MeshSolution]) -> tuple[Parts, str]:
     law.
     """
     solved = meshes[-1]
-    if solved.result is None or solved.findings is None or not solved.solution.newton.converged:
+    if solved.findings is None or not solved.solution.newton.converged:
         return {}, "no solution"
     steps = solved.plan.load_step_errors
     if solved.solution.plasticity is not None and not steps:
@@ -328,9 +326,9 @@ def estimate(meshes: Sequence[MeshSolution]) -> tuple[Parts, str]:
     found = solved.solution.friction
     if found is not None and "area_mm2" in errors:
         patch = [sum(errors[key].values()) for key in ("area_mm2", "max_MPa")]
-        still, strain = solved.result["friction"].get("resolution", {}), _of_strain(solved)
-        for name, (mesh, grid) in friction_errors(solved.result, found, *patch).items():
-            over = abs(_with_rises(solved.result["friction"])[name])
+        still, strain = solved.forces.get("resolution", {}), _of_strain(solved)
+        for name, (mesh, grid) in friction_errors(solved, found, *patch).items():
+            over = abs(_with_rises(solved.forces)[name])
             over = found.friction_limit if name in FRICTION_SHARES else over
             mesh += abs(still.get(name, 0.0)) / over if name != "stick_share" else 0.0
             before = errors.get(name, dict.fromkeys(ALWAYS, 0.0))

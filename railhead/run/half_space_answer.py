@@ -41,7 +41,7 @@ CURVED = 0.3
 # Error of pressure and area of unlike bodies over what tractions change of the peak, by whether the
 # contact is a line, whose pressure stays Hertz's. From 64 to 256 cells 0.5 to 1.6 % were measured.
 COUPLED = {False: 0.05, True: 1.25}
-STRESSES = "tau_max_MPa", "von_mises_max_MPa"
+STRESSES = {"tau_max_MPa": "tau", "von_mises_max_MPa": "von_mises"}
 GROWING_PATCH = "unlike bodies slip while the patch grows, which is not followed there"
 STRIP_ACROSS = "a strip of unlike bodies across the rail"
 UNEVEN = "the formula has one coefficient of friction"
@@ -81,11 +81,6 @@ class HalfSpaceSolution(Answered):
     unloaded_fields: ClassVar[None] = None
     residual_state: ClassVar[None] = None
     mirrors: ClassVar[tuple[Any, ...]] = ()
-
-    @property
-    def load(self) -> float:
-        """Vertical load that pressure and tractions carry, N; 0 without a solution."""
-        return 0.0 if self.result is None else float(self.result["load_N"])
 
     @property
     def friction(self) -> FrictionSolution | None:
@@ -140,18 +135,20 @@ def _read(plan: Plan, pressed: Pressed, sheared: Sheared | None = None) -> HalfS
         found = half_space.of_boundary_elements(pressed, points, frame, poisson, edges)
     else:
         found = half_space.of_hertz(hertz, frame, poisson, section=plan.plane_model)
-    load, friction = pressed.load, {}
+    load, forces = pressed.load, dict[str, Any]()
     if sheared is not None and sheared.coarse is not None:
         if stressed:
             grids = sheared.stressed, sheared.coarse.stressed
             found = half_space.with_tractions(found, *grids, points, stressed)
-        found, friction["friction"] = read_friction(plan, found, sheared.solution)
+        found, forces = read_friction(plan, found, sheared.solution)
         load -= sheared.upwards
     return HalfSpaceSolution(
         plan=plan,
         ellipse=hertz,
+        load=load,
+        approach=pressed.approach,
         findings=found,
-        result=compare.from_findings(found, load, pressed.approach) | friction,
+        forces=forces,
         pressed=pressed,
         sheared=sheared,
     )
@@ -163,16 +160,15 @@ def _error_parts(solved: HalfSpaceSolution) -> Parts:
     that is nearly no ellipse has none of its half lengths.
     """
     plan, pressed, found = solved.plan, solved.pressed, solved.findings
-    assert found is not None and solved.result is not None
-    result = {key: value for key, value in solved.result.items() if key != "friction"}
+    assert found is not None
     if not isinstance(pressed, BoundaryElementSolution):
-        exact = numeric_values(result)
+        exact = numeric_values(solved.result)
         exact.pop(plan.contact.prescribed_length or "", None)
         return {key: {"exact": 0.0} for key in exact}
     grid = grid_errors(found)
     ends = not plan.contact.half_space
     expected = plan.context.half_space_errors if ends else {}
-    like = dict.fromkeys(STRESSES if "stress" in result else (), "max_MPa")
+    like = dict.fromkeys(STRESSES if found.largest else (), "max_MPa")
     like |= {"max_MPa": "max_MPa", "area_mm2": "area_mm2"}
     if found.hertzian:
         like |= {"a_mm": "area_mm2", "b_mm": "area_mm2"}
@@ -185,7 +181,7 @@ def _error_parts(solved: HalfSpaceSolution) -> Parts:
             parts[key]["sideways"] = moved
         if plan.profile_error:
             parts[key]["profile"] = plan.profile_error
-    if not (ends and "stress" in result):
+    if not (ends and found.largest):
         return parts
     more = added_stress(plan.context.half_spaces, plan.deformable, pressed)
     top = max(found.patch.each, key=lambda each: each.max_pressure)
@@ -193,8 +189,9 @@ def _error_parts(solved: HalfSpaceSolution) -> Parts:
     y = top.centre[1] + half * np.array([-1.0, 0.0, 1.0])
     profiles = plan.contact.cross_profiles
     curvatures = [np.abs(each.curvature(y - shift)) for _, each, shift in profiles]
-    for key in STRESSES:
-        parts[key]["faces"] = more / result["stress"][key]
+    for key, name in STRESSES.items():
+        highest = max(getattr(each, name).value for each in found.largest.values())
+        parts[key]["faces"] = more / highest
         parts[key]["curvature"] = CURVED * float(np.nanmax(curvatures)) * top.b
     return parts
 
@@ -204,14 +201,14 @@ def _with_tractions(solved: HalfSpaceSolution, parts: Parts) -> Parts:
     add, and those of friction.
     """
     sheared, found = solved.sheared, solved.findings
-    if sheared is None or found is None or solved.result is None:
+    if sheared is None or found is None:
         return parts
-    for key in STRESSES if "stress" in solved.result else ():
+    for key in STRESSES if found.largest else ():
         parts[key] = {**parts[key], "tractions": found.surface_error[key]}
     # Tractions of several patches may cancel out, what bodies change of each does not.
     area, pressure = (sum(parts[key].values()) for key in ("area_mm2", "max_MPa"))
     area = max(area, pressure)  # a small patch may carry most of the load
-    changes = friction_errors(solved.result, sheared.solution, area, pressure)
+    changes = friction_errors(solved, sheared.solution, area, pressure)
     for key, (bodies, grid) in changes.items():
         parts[key] = {"bodies": bodies, "grid": grid}
     if not sheared.pair.materials.like:

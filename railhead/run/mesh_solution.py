@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
@@ -52,17 +52,32 @@ class Answered:
     """What solutions by finite elements and by half-spaces have in common.
 
     plan: the plan that was solved; its forecast is the one that a mesh was made for.
+    load: vertical load on the wheel that the solution carries, friction included, of the whole
+        model, N; 0 without a solution.
+    approach: of the supports or, between half-spaces, of distant points, along the vertical, mm.
     findings: patch, pressure and stresses; None where nothing touches, and of finite elements off
         rank 0.
-    result: "result" of summary.json, without "plastic" and what friction does to the steel; None
-        where `findings` is.
+    forces: numbers of friction, as of `postprocess.friction.quantities`; empty without friction,
+        and where `findings` is None.
     passes: of the wheel over the rail; None where there are none, and off rank 0.
     """
 
     plan: Plan
+    load: float = 0.0
+    approach: float = 0.0
     findings: Findings | None = None
-    result: dict[str, Any] | None = None
+    forces: Mapping[str, Any] = field(default_factory=dict)
     passes: Passes | None = None
+
+    @cached_property
+    def result(self) -> dict[str, Any] | None:
+        """Entry "result" of summary.json, without "plastic" and what friction does to the steel;
+        None without findings.
+        """
+        if self.findings is None:
+            return None
+        known = compare.from_findings(self.findings, self.load, self.approach)
+        return known | ({"friction": self.forces} if self.forces else {})
 
     @cached_property
     def after(self) -> dict[str, PostSolveVerdict]:
@@ -113,13 +128,6 @@ class MeshSolution(Answered):
         """
         plan = self.plan
         return closed_forms.hertz_contact(plan.scene, plan.contact, self.solution.load or None)
-
-    @property
-    def load(self) -> float:
-        """Vertical load on the wheel that the solution carries, friction included, of the whole
-        model, N.
-        """
-        return self.solution.load
 
     @property
     def approach_error(self) -> float:
@@ -237,10 +245,9 @@ def _solve_unread(
     *,
     last: bool,
 ) -> tuple[MeshSolution, Plan | None]:
-    """Solve a plan on a mesh (collective): the solution, of which findings and result are not read
-    yet, and the plan of a mesh that fits the patch; None where this mesh does. last: whether there
-    is no other mesh to come, so that friction of solids is solved also where this mesh does not
-    fit.
+    """Solve a plan on a mesh (collective): the solution, of which findings are not read yet, and
+    the plan of a mesh that fits the patch; None where this mesh does. last: whether there is no
+    other mesh to come, so that friction of solids is solved also where this mesh does not fit.
     """
     from railhead.solver.system.fields import gather
 
@@ -257,6 +264,8 @@ def _solve_unread(
     better = comm.bcast(None if fields is None else _remesh_for_found_patch(plan, fields))
     solved = MeshSolution(
         plan=plan,
+        load=solution.load,
+        approach=solution.approach,
         mesh=mesh,
         space=model.bulk.space,
         unknowns=model.unknowns,
@@ -267,7 +276,13 @@ def _solve_unread(
     )
     elastic = _elastic_reference(solution)
     if elastic is not solution:
-        reference = replace(solved, solution=elastic, fields=gather(model, elastic))
+        reference = replace(
+            solved,
+            solution=elastic,
+            load=elastic.load,
+            approach=elastic.approach,
+            fields=gather(model, elastic),
+        )
         state = _read_residual_state(model, solution, fields, plan.contact.frame)
         if state is not None:
             state = replace(state, load_over_first_yield=plan.context.overload)
@@ -276,8 +291,8 @@ def _solve_unread(
 
 
 def _read(solved: MeshSolution) -> MeshSolution:
-    """The solution and its elastic reference with findings and result: patch, stresses and
-    friction. Unchanged off rank 0 and where nothing touches.
+    """The solution and its elastic reference with findings and numbers of friction. Unchanged off
+    rank 0 and where nothing touches.
     """
     plan, solution, fields = solved.plan, solved.solution, solved.fields
     if solved.elastic_reference is not None:
@@ -298,10 +313,10 @@ def _read(solved: MeshSolution) -> MeshSolution:
         findings = half_space.with_surface(
             findings, solution.friction, plan.poisson_ratios, section=section
         )
-    result = compare.from_findings(findings, solution.load, solution.approach)
-    if solution.friction is not None:
-        findings, result["friction"] = read_friction(plan, findings, solution.friction)
-    return replace(solved, findings=findings, result=result)
+    if solution.friction is None:
+        return replace(solved, findings=findings)
+    findings, forces = read_friction(plan, findings, solution.friction)
+    return replace(solved, findings=findings, forces=forces)
 
 
 def read_friction(

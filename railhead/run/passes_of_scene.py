@@ -403,10 +403,8 @@ def _share_of_full_slip(solved: Solved) -> float:
     """Tangential force of the wheel on the rail along it over that of full slip, -1 to 1; 0 without
     rolling with friction.
     """
-    rolls = solved.plan.scene.rolling.prescribed
-    found = (solved.result or {}).get("friction") if rolls else None
     coefficient = interface.friction_coefficient(solved.plan.context)
-    if not found or not coefficient:
+    if not (solved.plan.scene.rolling.prescribed and solved.forces and coefficient):
         return 0.0
-    share = float(found["force_along_N"]) / (coefficient * solved.load)
+    share = float(solved.forces["force_along_N"]) / (coefficient * solved.load)
     return min(max(share, -1.0), 1.0)

@@ -67,7 +67,7 @@ def refine(
             return meshes, Ending("asked accuracy reached")
         # Without laws the grid of condensed friction is that of the mesh.
         told = plan.family or not plan.condenses or len(meshes) >= LEAST_MESHES
-        fixed = comm.bcast(estimates.of_grids(done.findings, done.result) if told else 0.0)
+        fixed = comm.bcast(estimates.of_grids(done) if told else 0.0)
         if fixed >= (scene.accuracy or math.inf):
             return meshes, Ending(f"the grids of tractions leave {fixed:.1%} open")
         if scene.accuracy is None and math.isfinite(worst):
@@ -104,7 +104,7 @@ def _refuse(plan: Plan, progress: Progress) -> None:
     wanted, fixed = plan.scene.accuracy or math.inf, {"the measured profile": plan.profile_error}
     if plan.scene.accuracy and plan.effects["friction"].on and not plan.condenses:
         foreseen = half_space_answer.solve(plan, progress)
-        fixed["the grid of tractions"] = estimates.of_grids(foreseen.findings, foreseen.result)
+        fixed["the grid of tractions"] = estimates.of_grids(foreseen)
     for what, error in fixed.items():
         if error >= wanted:
             raise SceneError("accuracy", f"{wanted:.3g}: {what} leaves {error:.2%} on any mesh")
