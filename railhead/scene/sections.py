@@ -7,7 +7,7 @@ as well. A key that may be None leaves the choice to the plan.
 from difflib import get_close_matches
 from functools import partial
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, get_args
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, model_validator
 
@@ -99,6 +99,9 @@ class Section(BaseModel):
                 return SceneError(key, f"{value} is not allowed; give true or false")
             case "model_type":
                 return SceneError(key, f"{value} is not a table; give [{key}] and its keys")
+            case "missing":
+                choices = ", ".join(map(str, get_args(cls.model_fields[key].annotation)))
+                return SceneError(key, f"is missing; give {choices}")
             case _:  # string_unicode: half of a surrogate pair, in a key or in a value
                 return SceneError(key, f"{value} is not Unicode text; give whole characters")
 

@@ -292,7 +292,8 @@ def locate(scene: Scene, over: Mapping[str, Sequence[object]] | None = None) -> 
     shifts = None
     if over is not None:
         for key in over.keys() - {"wheelset.shift"}:
-            raise SceneError(key, "is not allowed in --over of locate; give wheelset.shift alone")
+            text = "is not allowed in --over of locate; give wheelset.shift alone"
+            raise SceneError(key, f"{text} (railhead diff A B compares two folders of locate)")
         scenes = ParameterGrid.combine(scene, over).scenes
         shifts = np.array(sorted(each.wheelset.shift for each in scenes))
     return Location(scene, solid.place(scene, CLEARANCE), shifts)

@@ -13,8 +13,8 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from railhead.planning.context import Effect
 from railhead.planning.effects import in_words
+from railhead.planning.effects import left_out as not_simulated
 from railhead.planning.simulation_plan import Plan
 from railhead.postprocess.findings import BASE_UNITS, Drawing, Units, keyed
 from railhead.results import quantity_rows
@@ -109,8 +109,10 @@ def show_plan(plan: Plan, console: Console) -> None:
     table = Table(title=f"plan of {said['case']}", title_justify="left")
     for column in ("effect", "state", "why"):
         table.add_column(column, overflow="fold")
+    missing = not_simulated(plan.effects, {})
     for name, effect in plan.effects.items():
-        table.add_row(name, _state(effect), effect.why)
+        off = "off, though called for" if name in missing else "off"
+        table.add_row(name, "on" if effect.on else off, effect.why)
     console.print(table)
     drawn = ", pictures included" if plan.scene.asks("pictures") else ""
     seconds = f"{plan.price.seconds:.1f} s of processor time{drawn}"
@@ -183,15 +185,6 @@ def _smoothing_uncertainty(found: Mapping[str, Any]) -> str:
         f"profile    leaves {found['relative']:.1%} of the largest pressure and of the area open "
         "(half-spaces with other smoothing lengths, or every second point)"
     )
-
-
-def _state(effect: Effect) -> str:
-    """State of an effect in words: 'on', 'off', or 'off, though called for' where the scene needs
-    the effect and the program cannot simulate it here. What a person switched off is 'off'.
-    """
-    if effect.called_for and "on" in effect.refused and not effect.override:
-        return "off, though called for"
-    return "on" if effect.on else "off"
 
 
 def _show_prices(prices: Sequence[Mapping[str, Any]] | None, console: Console) -> None:

@@ -175,7 +175,7 @@ SCENE = Scene(load=1e4, wheel={"rolling_radius": 450.0})
     "keys, said",
     [
         ({"kind": "dent"}, "rail.surface.kind: 'dent' is not allowed; give flat, cosine or map"),
-        ({"length": 3.0}, "rail.surface.kind"),
+        ({"length": 3.0}, "rail.surface.kind: is missing; give flat, cosine, map"),
         ({"kind": "flat", "length": 3.0}, "rail.surface.depth: not given"),
         ({"kind": "flat", "depth": 3.0}, "rail.surface.length: not given; kind flat needs it"),
         ({"kind": "cosine", "length": 9.0}, "rail.surface.amplitude: not given"),

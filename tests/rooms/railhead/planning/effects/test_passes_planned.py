@@ -1,6 +1,7 @@
 """Whether passes are called for, what they leave out, and what is refused."""
 
 import re
+from functools import partial
 from types import SimpleNamespace
 
 import pytest
@@ -9,6 +10,7 @@ from one_line import refusal
 import railhead as rh
 from railhead.planning import effects
 from railhead.planning import simulation_plan as planning
+from railhead.results.report import terminal
 
 LINE = rh.find("long_roller").replace(
     load="1400 kN", rail={"extent": "half-space", "yield_stress": 480.0}
@@ -36,6 +38,8 @@ def test_what_rolls_and_yields_names_the_key_until_it_is_given():
 def test_with_passes_the_bodies_are_pressed_elastically_and_nothing_else_changes():
     plan = planning.make(LINE.replace(["rolling.passes=3"]))
     assert plan.effects["plasticity"].called_for and not plan.effects["plasticity"].on
+    printed = terminal.recorded(partial(terminal.show_plan, plan)).export_text()
+    assert "in the passes of" in printed and "though called for" not in printed
     off = planning.make(LINE.replace(["rolling.passes=3", "effects.passes=off"]))
     assert off.effects["plasticity"].on and not off.effects["passes"].on
     assert plan.unknowns == off.unknowns
