@@ -9,8 +9,6 @@ system whatever ends a process. So the process that holds it knows that no other
 compiles, and removes the files of each form that is not as it was finished.
 """
 
-from __future__ import annotations
-
 import errno
 import fcntl
 import logging

@@ -1,7 +1,5 @@
 """Types of arrays by what they hold, and files of them."""
 
-from __future__ import annotations
-
 import io
 import zlib
 from collections.abc import Mapping

@@ -13,8 +13,6 @@ friction.
 T-gamma is the energy dissipated per rolled length.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

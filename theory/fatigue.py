@@ -4,8 +4,6 @@ A path is the stress at one material point while a load passes. Stresses are in 
 positive, in columns xx, yy, zz, xy, xz, yz. Neither criterion knows a limit of a steel.
 """
 
-from __future__ import annotations
-
 import math
 from itertools import product
 

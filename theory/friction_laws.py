@@ -22,8 +22,6 @@ Wear 253, 2002). A flux q that a body takes raises its surface, s behind the lea
 Where two like bodies touch, they share the mean of their bulk temperatures at once.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The pair of a scene as theory takes it: materials, exact Hertz, and what lies between them."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

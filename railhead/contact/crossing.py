@@ -4,8 +4,6 @@ The wheel stands at `rail.position`. It touches each head at a place of its own 
 Axes: x along the rail from the axle, y of the sections, z up.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace

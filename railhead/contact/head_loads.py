@@ -9,8 +9,6 @@ of both approaches, less c of the mutual displacement, the axle moves along
     dz/dx = (t_1 (a_2 - c) + t_2 (a_1 - c)) / (a_1 + a_2 - 2 c)
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any

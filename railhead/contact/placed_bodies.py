@@ -1,7 +1,5 @@
 """The bodies of a scene: sections, and how they are swept and placed."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import replace

@@ -5,8 +5,6 @@ down straight from its smooth first contact until the true surfaces touch, which
 that place or behind it.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace

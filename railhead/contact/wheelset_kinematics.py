@@ -17,8 +17,6 @@ is nearly none on an axle that stands in the middle. That of no torque is in
 `half_spaces.torque_free`.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -16,8 +16,6 @@ bodies change, another place is another patch. The compliance was measured with 
 54E1 and 60E1, a metre long, foot held (`railhead study calibrate`).
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """Half-spaces in the place of a contact's bodies, pressed without friction by boundary elements."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field

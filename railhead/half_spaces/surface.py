@@ -10,8 +10,6 @@ the tangent ahead at its first contact, which may rise along the rail. Heads sha
 wheel and displace each other as on one half-space: their contacts lie as far apart as in space.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

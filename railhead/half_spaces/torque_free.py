@@ -10,8 +10,6 @@ wheels are half-spaces, and each carries the load of the scene. Where w is the u
 all patches of both wheels, this moment is the force that is prescribed: zero.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import replace

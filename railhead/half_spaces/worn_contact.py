@@ -8,8 +8,6 @@ average across over 0.4 (MEAN) of the half width of its patch: what is narrower,
 groove, is not known.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """What a plan decides: effects, element sizes, steps, and the model that follows from them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

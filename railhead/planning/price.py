@@ -1,7 +1,5 @@
 """What a plan is predicted to cost: seconds of the processor, memory, and what accuracies take."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

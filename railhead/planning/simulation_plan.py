@@ -1,7 +1,5 @@
 """What will be simulated, how finely, and why: decided before anything is built."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

@@ -18,8 +18,6 @@ wants is one of sizes and values (`PROMISED`). Places, as the depth of the large
 have no estimate: the stress changes little near its largest value.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence, Set
 from typing import Any

@@ -1,7 +1,5 @@
 """From a plan to what the solver is given: bodies, contact law, far field, friction, load path."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import replace

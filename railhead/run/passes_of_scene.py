@@ -5,8 +5,6 @@ Below each patch the rail is a block of quadratic cells, whose far faces are hel
 `half_spaces.pass_contact`. Lengths in mm, forces in N, stresses in MPa; z points out of the body.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable, Sequence

@@ -1,7 +1,5 @@
 """Settings of the process that a command runs in: signals, streams, threads, memory."""
 
-from __future__ import annotations
-
 import atexit
 import ctypes
 import gc

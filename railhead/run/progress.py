@@ -1,7 +1,5 @@
 """The progress of a run: on standard error, or told to a function."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from datetime import timedelta

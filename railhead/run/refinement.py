@@ -1,7 +1,5 @@
 """From a plan to its solved meshes: one at default settings, a sequence for an asked accuracy."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

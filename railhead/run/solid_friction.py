@@ -13,8 +13,6 @@ jump of the pressed surfaces. E of other patches is that of their last tractions
 are pressed again under the tractions.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

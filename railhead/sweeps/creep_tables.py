@@ -1,7 +1,5 @@
 """Creep tables solved side by side, a record of each part in a folder, and the table's files."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from concurrent.futures import as_completed
 from contextlib import ExitStack

@@ -1,7 +1,5 @@
 """Scenes solved side by side, a record of each in a folder, a table and pictures."""
 
-from __future__ import annotations
-
 import json
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence

@@ -1,7 +1,5 @@
 """All scenes of a sweep: planned, and what they are predicted to take."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from datetime import timedelta

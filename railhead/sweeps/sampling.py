@@ -6,8 +6,6 @@ Phys. Commun. 181, 2010). Errors of sampling are half widths of intervals that h
 samples.
 """
 
-from __future__ import annotations
-
 import re
 import warnings
 from collections.abc import Mapping, Sequence

@@ -3,8 +3,6 @@
 A record appears whole or not at all, so a command that is killed loses only what was running.
 """
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Collection, Mapping

@@ -2,8 +2,6 @@
 file for a reader who has nothing else.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections import Counter

@@ -4,8 +4,6 @@ A job that raises or crashes ends alone. Under mpirun all ranks but the first do
 as many machines as mpirun uses.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator

@@ -5,8 +5,6 @@ Small problems are factorised (MUMPS), linear cells go to algebraic multigrid (G
 ones to p-multigrid (`solver.algebra.multigrid`).
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 

@@ -1,8 +1,6 @@
 """Anderson's mixing of a fixed point (J. Assoc. Comput. Mach. 12, 1965): least squares over the
 last residuals."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from railhead.theory.array_types import Array

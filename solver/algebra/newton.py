@@ -10,8 +10,6 @@ has a convex energy, and t nearly minimises it along s. An unsymmetric one takes
 whenever an active set comes back, until it stays.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace

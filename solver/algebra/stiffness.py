@@ -1,7 +1,5 @@
 """The stiffness matrix of isotropic elastic solids, of straight bodies and of sections."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import dolfinx.fem.petsc  # noqa: F401

@@ -20,8 +20,6 @@ So S_t u0, which is the mesh's error, is left out of q, and G u0 takes symmetric
 two edges, whose noise is a seventh.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import TypeVar
 

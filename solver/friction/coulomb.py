@@ -12,8 +12,6 @@ one that would slip the other way round sticks for a step. Without these two rul
 converge. Conventions are those of `theory.friction.rolling`.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

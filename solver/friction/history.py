@@ -1,7 +1,5 @@
 """Load steps of a contact with friction, and how tractions and pressure are coupled in each."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

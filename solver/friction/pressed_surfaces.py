@@ -12,8 +12,6 @@ P is the map from free unknowns to dofs, u_far the displacement of the supported
 resultant of the forces, where the bodies are half-spaces.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import partial
 

@@ -2,8 +2,6 @@
 pressures, tractions and springs of facets.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What a model that does not answer, or answers badly, may lack: supports, and facets."""
 
-from __future__ import annotations
-
 import numpy as np
 import scipy.linalg
 import scipy.sparse as sp

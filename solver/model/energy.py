@@ -8,8 +8,6 @@ the linear law's stress in Nitsche's method. From a state u0 it is taken as line
     sigma(u) = sigma(u0) + d sigma / d grad u : grad (u - u0)
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any

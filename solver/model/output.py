@@ -1,7 +1,5 @@
 """Fields in the cells of a solved model, and files of a solution for ParaView."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -3,8 +3,6 @@
 Constants of materials are numbers, or dolfinx Functions that are constant in each cell (DG0).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, Self

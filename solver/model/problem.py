@@ -8,8 +8,6 @@ Along tangents t the secondary surface carries the traction (Chouly 2014, theta 
 where s is the slip since the last step. History is the displacement then; no traction is stored.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

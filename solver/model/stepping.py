@@ -1,7 +1,5 @@
 """How a model goes from one state to the next: pairing, equations, load steps."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import fields, replace
 from typing import Any

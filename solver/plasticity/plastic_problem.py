@@ -9,8 +9,6 @@ t = 2 mu n . eps_p . n, so that s = S u - t. Test functions stay elastic. The hi
 no matrix is assembled again.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar

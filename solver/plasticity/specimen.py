@@ -5,8 +5,6 @@ The radial return of a solid with the shear modulus E/3 and the strains eps (1, 
 of a bar: its trial stress is E (eps - eps_p), its plastic strains are eps_p (1, -1/2, -1/2).
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.optimize import least_squares
 from scipy.signal import find_peaks

@@ -1,7 +1,5 @@
 """Cells: basis functions, strains and quadrature in them, without the mesh."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any, Self

@@ -5,8 +5,6 @@ changes along its normal; revolved about the axis r = 0 of its coordinates (r, z
 whole body of revolution, with the hoop strain u_r/r.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from itertools import combinations
 from typing import Any

@@ -1,7 +1,5 @@
 """Operators from displacements to values at points, as distributed sparse matrices."""
 
-from __future__ import annotations
-
 import numpy as np
 import scipy.sparse as sp
 from mpi4py import MPI

@@ -5,8 +5,6 @@ on a piece only. Forces on both surfaces are exact there, so that a constant pre
 non-matching surfaces stays constant (the contact patch test).
 """
 
-from __future__ import annotations
-
 import basix
 import numpy as np
 from scipy.spatial import cKDTree

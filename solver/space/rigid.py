@@ -1,7 +1,5 @@
 """Rigid surfaces that bodies on a mesh may touch."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

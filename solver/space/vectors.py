@@ -1,7 +1,5 @@
 """Numbers and directions that parts of a model are given, checked."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any

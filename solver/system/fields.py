@@ -1,7 +1,5 @@
 """The solution as arrays on rank 0, without mesh or PETSc: all that postprocessing needs."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

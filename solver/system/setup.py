@@ -1,7 +1,5 @@
 """Input of a contact model: bodies, contact law, supports, symmetry, friction, load history."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any

@@ -6,8 +6,6 @@ their material points until the next pairing, so that
     g(u) = n . (X + u_primary - x - u_secondary)
 """
 
-from __future__ import annotations
-
 import math
 import warnings
 from collections.abc import Callable, Sequence

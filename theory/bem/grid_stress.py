@@ -8,8 +8,6 @@ its four corners (Love, Phil. Trans. R. Soc. A 228, 1929), and inner corners are
 at a corner is the mixed difference of the pressures around it. Lengths are in mm, stresses in MPa.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

@@ -5,8 +5,6 @@ Slips are those of the wheel over the rail, in mm or, rolling, per rolled length
 those of the wheel on the rail, in MPa. Components are along x and y.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

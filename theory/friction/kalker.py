@@ -10,8 +10,6 @@ G and nu are those of the pair of materials (`theory.friction.tangential.Materia
 be like.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import lru_cache

@@ -10,8 +10,6 @@ Q grows from 0 at a constant load N; mu N is the limit (Mindlin and Deresiewicz 
 and 7.4). Forces are in N, lengths in mm.
 """
 
-from __future__ import annotations
-
 import math
 
 from scipy.special import elliprd, elliprf

@@ -16,8 +16,6 @@ one); each does the work of its creepage, so that the moment acts about the plac
 Lengths in mm, forces in N, stresses in MPa, spin in 1/mm.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import astuple, dataclass, replace

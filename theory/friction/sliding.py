@@ -6,8 +6,6 @@ Known closed forms: Hamilton and Goodman 1966, Hamilton 1983 (circle), Sackfield
 (ellipse), Johnson, Contact Mechanics, 7.1 (strip).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

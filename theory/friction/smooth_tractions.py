@@ -12,8 +12,6 @@ field d is read as e in the span of all Q = u^i v^j with i + j <= 3, where
 so that the error of a mesh in d enters as an integral. G_ij = int beta P_i P_j dA.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """Wear over the route of a scene: solved step by step in a folder, its files and pictures."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from contextlib import ExitStack
 from functools import partial

@@ -1,7 +1,5 @@
 """The answer of a wear run: worn profiles, areas, pressures and damage, with errors and checks."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
