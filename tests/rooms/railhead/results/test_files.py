@@ -10,7 +10,7 @@ from matplotlib.text import Text
 from solved import solved
 
 from railhead.planning import simulation_plan
-from railhead.results.subject import subject
+from railhead.results.files import subject
 from railhead.scene.catalogue import find
 
 
