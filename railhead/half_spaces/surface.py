@@ -14,7 +14,6 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import ClassVar
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -117,11 +116,6 @@ class Developed:
         scene = self.contact.scene
         modulus = closed_forms.contact_modulus(scene)
         return modulus / closed_forms.plane_strain_modulus(scene, WHEEL)
-
-    @property
-    def angular(self) -> Array:
-        """Angular velocity (4, 3) of each mode of rigid slip, 1/mm, as of `RigidSlip`."""
-        return self._rigid.angular
 
     def _on(self, s: Array) -> Iterator[tuple[Section, Mask]]:
         """Each section, and which of the places s (n,), mm, lie on it."""
@@ -326,8 +320,6 @@ class Plane:
     """
 
     contact: Contact
-    angular: ClassVar[Array] = np.array([[0.0] * 3, [0.0] * 3, [0.0, 0.0, 1.0], [0.0] * 3])
-    """Angular velocity (4, 3) of each mode of rigid slip, 1/mm: about z for unit spin, else 0."""
 
     def friction_coefficient(self, s: Array) -> Array:
         """Coefficient of friction (n,) at s (n,) in mm."""

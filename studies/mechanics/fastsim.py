@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from railhead.contact.wheelset_kinematics import rigid_slip
 from railhead.half_spaces.pressing import HalfSpacePair
 from railhead.half_spaces.shearing import PressedPatch
 from railhead.postprocess.findings import Frame
@@ -121,7 +122,7 @@ def of_patches(
     for patch, a, b, linear, local in _ellipses(patches, pair, motion):
         carried = limit * patch.limit / whole
         *forces, stick = fastsim(a, b, carried, pair.materials.shear_modulus, linear, local)
-        total = total + _work(patch, pair.surface.angular, forces)
+        total = total + _work(patch, rigid_slip(pair.contact).angular, forces)
         sticks, touches = sticks + stick * a * b, touches + a * b
     return total[:3], sticks / touches
 
@@ -137,7 +138,7 @@ def linear(patches: Sequence[PressedPatch], pair: HalfSpacePair, motion: Sequenc
         [
             _work(
                 patch,
-                pair.surface.angular,
+                rigid_slip(pair.contact).angular,
                 linear_forces(known, a, b, pair.materials.shear_modulus, local),
             )[:3]
             for patch, a, b, known, local in _ellipses(patches, pair, motion)
@@ -153,13 +154,13 @@ def _ellipses(
     the mean creepage and the spin in its own tangent plane. Raises ValueError for an axis ratio
     above 20 (SLENDER) or below 1/20.
     """
-    moved = np.array([*motion, 1.0])
+    moved, angular = np.array([*motion, 1.0]), rigid_slip(pair.contact).angular
     for patch in (part for each in patches for part in _parts(each)):
         a, b = patch.pressed.semi_axes
         if not 1 / SLENDER < a / b < SLENDER:
             raise ValueError(f"the linear theory's tables end before an axis ratio of {a / b:.3g}")
         along, across = moved @ _mean_modes(patch)
-        local = Creepage(along, across, float(moved @ _spin(patch, pair.surface.angular)))
+        local = Creepage(along, across, float(moved @ _spin(patch, angular)))
         yield patch, a, b, coefficients(a / b, pair.materials.poisson), local
 
 
