@@ -101,15 +101,13 @@ def of_boundary_elements(
     points: SurfaceMap,
     frame: Frame,
     poisson: Mapping[str, float],
-    edges: Sequence[float] = (),
 ) -> Findings:
     """Findings of boundary elements on a developed surface, without friction. Stresses are those
     of the pressure on the coarser grid of the solution, or on its own where there is none.
 
     points: maps x, s (n,) to points (n, 3) on the surface, mm. frame: axes at the first contact;
         those of the most loaded patch are used instead where there are several, or one that is
-        turned from the first contact. poisson: Poisson's ratio by body. edges: places y at which
-        the bodies end, mm, for `edge_distance`.
+        turned from the first contact. poisson: Poisson's ratio by body.
     The half lengths a and b are those of the most loaded patch on the plane of the frame, as is
     the area of a single patch; of several patches each area is that on its own tangent plane.
     "scatter": relative change from the coarser grids of the solution, of the area at least what
@@ -155,8 +153,6 @@ def of_boundary_elements(
     ]
     shown = next(iter(poisson), "")
     outlines = [frame.local(points(*one.outline.T))[:, :2] for one in solution.patches]
-    beside = frame.origin[1] + math.cos(frame.angle) * np.concatenate(outlines)[:, 1]
-    room = min((float(np.abs(end - beside).min()) for end in edges), default=math.nan)
     return Findings(
         frame=frame,
         patch=Patch(
@@ -181,7 +177,6 @@ def of_boundary_elements(
         along=AxisPressure(along, main.pressure[:, j], float(across[j])),
         across=AxisPressure(across, main.pressure[i], float(along[i])),
         shape_error=error,
-        edge_distance=room / min(a, b),
         hertzian=error < HERTZIAN and len(each) < 2,
         largest=largest(coarse.windows, points, poisson),
     )

@@ -35,6 +35,7 @@ from railhead.theory.friction import partial_slip
 from railhead.theory.friction.rolling import CELLS, Creepage
 from railhead.theory.friction.solution import FrictionSolution
 
+DRAWN = 0.5  # mm from the end of a drawn section: its corner lies between two points
 # Relative error of stresses over half width times curvature of a body, where the pressure is
 # largest: 0.26 measured.
 CURVED = 0.3
@@ -131,8 +132,8 @@ def _read(plan: Plan, pressed: Pressed, sheared: Sheared | None = None) -> HalfS
     stressed = plan.poisson_ratios if asked else {}
     poisson = stressed if sheared is None else {}
     if isinstance(pressed, BoundaryElementSolution):
-        edges = plan.contact.edges
-        found = half_space.of_boundary_elements(pressed, points, frame, poisson, edges)
+        found = half_space.of_boundary_elements(pressed, points, frame, poisson)
+        found = replace(found, edge_distance=_edge_distance(plan, pressed))
     else:
         found = half_space.of_hertz(hertz, frame, poisson, section=plan.plane_model)
     load, forces = pressed.load, dict[str, Any]()
@@ -152,6 +153,26 @@ def _read(plan: Plan, pressed: Pressed, sheared: Sheared | None = None) -> HalfS
         pressed=pressed,
         sheared=sheared,
     )
+
+
+def _edge_distance(plan: Plan, pressed: BoundaryElementSolution) -> float:
+    """Smallest distance of a patch, along the developed surface, from an end of the tread or of the
+    section below it, over the smaller half length of the most loaded patch; infinite for half-
+    spaces. Ends of drawn sections count from where they may be (DRAWN).
+    """
+    if plan.context.half_spaces.exact:
+        return math.inf
+    sections, scene = plan.context.half_spaces.developed.sections, plan.scene
+    tread = np.array(plan.contact.profiles["wheel"][0].domain)
+    half, room = (scene.wheel.width or math.inf) / 2, math.inf
+    for patch in pressed.patches:
+        below = min(sections, key=lambda each: abs(patch.centroid[1] - each.middle))
+        wheel = np.clip(tread - below.touch.wheel_y, -half, half)
+        head = np.array(below.ends) + (DRAWN if scene.rail.sections else 0.0) * np.array([1, -1])
+        low, high = np.clip(wheel, *head) + below.middle
+        s = patch.s[patch.pressure.any(axis=0)]
+        room = min(room, s[0] - low, high - s[-1])
+    return float(room) / min(max(pressed.patches, key=lambda each: each.force).half_extents)
 
 
 def _error_parts(solved: HalfSpaceSolution) -> Parts:
