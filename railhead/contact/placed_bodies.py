@@ -13,6 +13,7 @@ from railhead.meshing.bodies import RAIL, WHEEL, Body
 from railhead.scene.scene import Scene, SceneError
 
 HEAD_DEPTH = 50.0  # mm, of a block below a single-radius or measured crown
+FOOT = 25.0  # mm, of it below the groove between two heads at least
 RIM_DEPTH = 60.0  # mm
 MOST_SLENDER = 9.0  # half length of the wheel's segment over its thickness; gmsh fails on thinner
 THINNEST = 1e-3  # mm, width of a wheel in a section
@@ -94,8 +95,10 @@ def _rail(contact: Contact, reach: float, *, whole_section: bool, half: bool) ->
         section = [curve.moved(np.array([[c, -s], [s, c]]), np.zeros(2)) for curve in section]
     else:
         start, end = contact.pair.rail.domain
-        lowest = float(np.nanmin(contact.pair.rail.height(np.array([start, end]))))
-        base = lowest - HEAD_DEPTH if scene.rail.depth is None else -scene.rail.depth
+        heights = contact.pair.rail.height(np.array([start, end, *contact.pair.rail.joints]))
+        lowest = float(np.nanmin(heights[:2]))
+        base = min(lowest - HEAD_DEPTH, float(np.nanmin(heights)) - FOOT)
+        base = base if scene.rail.depth is None else -scene.rail.depth
         if base >= lowest:
             raise SceneError(
                 "rail.depth",

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import railhead as rh
-from railhead.contact import crossing
+from railhead.contact import crossing, placed_bodies
 from railhead.geometry import profiles
 from railhead.half_spaces.allowance import added_stress
 from railhead.meshing.bodies import RAIL
@@ -478,6 +478,21 @@ def test_two_heads_are_meshed_on_one_foot(nose: str, wing: str) -> None:
     assert (
         plan.effects["surface_shape"].on and "swept straight" in plan.effects["surface_shape"].why
     )
+
+
+def test_the_foot_is_thicker_than_a_groove_between_heads_is_deep(wing: str, tmp_path: Path) -> None:
+    """A nose that is drawn 60 mm deep: its section does not cross the lower side of the block."""
+    y = np.arange(-24.0, 24.1, 0.25)
+    points = np.column_stack([y - 20, drawn.head(y, 80, 9.0, -3.88, 0.0)])
+    deep = drawn.write(tmp_path, range(140, 261, 20), lambda x: points)
+    plan = rh.plan(scene(194.5, deep, wing)).plan
+    bodies = placed_bodies.bodies(plan.contact, 50.0, [RAIL], whole_section=False, half=False)
+    of = bodies[0].section
+    groove, base = (
+        min(curve.points[:, 1].min() for curve in of if curve.role == role)
+        for role in ("contact", "support")
+    )
+    assert groove < -60 and base == pytest.approx(groove - 25)
 
 
 @pytest.mark.slow
