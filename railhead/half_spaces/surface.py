@@ -27,7 +27,7 @@ from railhead.geometry.placement import ContactPoint
 from railhead.geometry.profiles import Profile, Spline
 from railhead.geometry.surfaces import RailSurface, along, between
 from railhead.meshing.bodies import WHEEL
-from railhead.theory.array_types import Array, Mask
+from railhead.theory.array_types import Array, Index, Mask
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution, Window
 from railhead.theory.friction.rolling import plane_modes
 
@@ -53,7 +53,7 @@ class Section:
     t, s: (n,) places across, ascending, and their arc lengths from the first contact, mm.
     middle: s of the first contact on the developed surface, mm.
     rail: true surface; None where it is the section moved ahead.
-    friction: coefficient of friction; None: that of the scene.
+    friction: coefficient of friction; NaN: that of the scene.
     """
 
     touch: ContactPoint
@@ -65,7 +65,7 @@ class Section:
     s: Array
     middle: float = 0.0
     rail: RailSurface | None = None
-    friction: float | None = None
+    friction: float = math.nan
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -117,10 +117,14 @@ class Developed:
         modulus = closed_forms.contact_modulus(scene)
         return modulus / closed_forms.plane_strain_modulus(scene, WHEEL)
 
+    def _of(self, s: Array) -> Index:
+        """Number (n,) of the section that places s (n,), mm, lie on."""
+        middles = [each.middle for each in self.sections]
+        return np.asarray(np.abs(s[:, None] - middles).argmin(axis=1))
+
     def _on(self, s: Array) -> Iterator[tuple[Section, Mask]]:
         """Each section, and which of the places s (n,), mm, lie on it."""
-        middles = [each.middle for each in self.sections]
-        of = np.abs(s[:, None] - middles).argmin(axis=1)
+        of = self._of(s)
         return ((each, of == number) for number, each in enumerate(self.sections))
 
     def under(self, touch: ContactPoint) -> Section:
@@ -145,10 +149,7 @@ class Developed:
 
     def lean(self, s: Array) -> Array:
         """Angle (n,) at which the tangent ahead rises, at s (n,), mm, rad."""
-        out = np.empty(len(s))
-        for section, on in self._on(s):
-            out[on] = section.touch.lean
-        return out
+        return np.array([each.touch.lean for each in self.sections])[self._of(s)]
 
     def upright(self, s: Array) -> Array:
         """Part (n,) of the surface's normal at s (n,), mm, that points up."""
@@ -156,12 +157,9 @@ class Developed:
 
     def friction_coefficient(self, s: Array) -> Array:
         """Coefficient of friction (n,) at s (n,) in mm; beyond a section that of its end."""
-        scene = self.contact.scene
-        out = scene.friction.at(self.angle(s), scene.heat.bulk)
-        for section, on in self._on(s):
-            if section.friction is not None:
-                out[on] = section.friction
-        return out
+        scene, own = self.contact.scene, np.array([each.friction for each in self.sections])
+        found = scene.friction.at(self.angle(s), scene.heat.bulk)
+        return np.where(np.isnan(own[self._of(s)]), found, own[self._of(s)])
 
     def points(self, x: Array, s: Array) -> Array:
         """Points (n, 3) in space, in mm, on the sections moved to x, at s, (n,) in mm; NaN beyond
@@ -194,7 +192,7 @@ class Developed:
         section of the pressed surfaces, at x (nx,), s (ns,) in mm (`RigidSlip`); 0 beyond it.
         These lie between both bodies where the wheel is lowest.
         """
-        section = next(each for each, on in self._on(s) if on[0])
+        section = self.sections[self._of(s[:1])[0]]
         t, origin, axes = section.across(s, math.nan), section.origin, section.axes
         lowest = np.full_like(s, section.touch.x)
         if section.rail is None:
@@ -373,7 +371,8 @@ def _heads(contact: CrossingContact) -> tuple[Section, ...]:
     """Sections of the heads of a crossing at right angles to the tangent ahead at their first
     contacts, up to where they are turned by 60 deg against these.
     """
-    wing, found, first = contact.scene.wing, list[Section](), np.zeros(3)
+    wing, found = contact.scene.wing, list[Section]()
+    own = wing.friction_coefficient if wing else None
     for name, head in contact.crossing.heads.items():
         touch, rail = contact.crossing.placed(name)[0], RailSurface(head.surface)
         origin, axes = np.array([touch.x, touch.y, touch.z - touch.gap]), touch.axes
@@ -382,8 +381,7 @@ def _heads(contact: CrossingContact) -> tuple[Section, ...]:
         h = along(rail, origin + t[:, None] * axes[1], np.tile(axes[2], (len(t), 1)))
         t, h = t[np.isfinite(h)], h[np.isfinite(h)]
         profile = Profile(name, (Spline(float(t[0]), float(t[-1]), CubicSpline(t, h)),))
-        first = first if found else origin
-        _, y, z = origin - first
+        _, y, z = origin - (found[0].origin if found else origin)
         section = Section(
             touch=touch,
             origin=origin,
@@ -394,7 +392,7 @@ def _heads(contact: CrossingContact) -> tuple[Section, ...]:
             s=_lengths(t, profile, 0.0),
             middle=math.copysign(math.hypot(y, z), y),
             rail=rail,
-            friction=wing.friction_coefficient if name == "wing" and wing else None,
+            friction=math.nan if own is None or name != "wing" else own,
         )
         found.append(section)
     return tuple(found)

@@ -91,6 +91,14 @@ def test_points_slip_as_those_of_a_rigid_wheelset(axle: str) -> None:
             slip = np.tensordot(moves.motion, velocity, axes=1)
             expected = passing(contact, turning_radius(given, axle), places)
             np.testing.assert_allclose(slip, expected, atol=5e-7)
+            surface, x = develop(contact), touch.x + np.array([-2.0, 0.0, 3.0])
+            s = surface.place(touch)[1] + np.linspace(-0.5, 0.5, 41)
+            slips = np.tensordot(moves.motion, surface.slip(x, s), axes=1)[..., 20]
+            middle, across = raised(contact, surface.points(0 * s, s)[:, 1], 0.5)
+            places = np.column_stack([x, *np.tile(middle[20, 1:], (3, 1)).T])
+            expected = passing(contact, turning_radius(given, axle), places)
+            np.testing.assert_allclose(slips[0], expected[:, 0], atol=5e-7)
+            np.testing.assert_allclose(slips[1], expected @ across[20], atol=5e-6)
     assert several >= 2
 
 
