@@ -203,7 +203,7 @@ def text(column: str, value: Cell, unit: str, units: Units) -> str:
     if value is None or isinstance(value, str):
         return value or ""
     if column.startswith("estimate"):
-        return f"{value:.2%}"
+        return f"{value:.2%}" if value <= 1 else "above 100%"
     if column in RELATIVE:
         return f"{round(value, 4) + 0.0:+.2%}"  # -0 is 0
     return f"{units.value(value, unit):.5g}"

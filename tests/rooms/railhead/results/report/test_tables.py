@@ -155,6 +155,7 @@ def test_zero_is_printed_as_0() -> None:
     rows = {row["quantity"]: row["FE"] for row in quantity_rows.rows(summary, "friction")}
     assert [f"{value:g}" for value in rows.values()] == ["0", "0", "0"]
     assert quantity_rows.text("FE - Hertz", -1e-7, "", Units()) == "+0.00%"
+    assert quantity_rows.text("estimate", 25.528, "N", Units()) == "above 100%"
     assert f"{terminal.rounded(-1e-9):.3f}" == "0.000" and brief(-0.0) == "0"
 
 
