@@ -114,14 +114,20 @@ class PatchQuantities:
     a: float = quantity(
         "a_mm",
         "mm",
-        "semi-axis a, along rail",
+        "half length a, along",
         column="a",
         estimated=True,
         scatter="a",
         compared=True,
     )
     b: float = quantity(
-        "b_mm", "mm", "semi-axis b, across", column="b", estimated=True, scatter="b", compared=True
+        "b_mm",
+        "mm",
+        "half length b, across",
+        column="b",
+        estimated=True,
+        scatter="b",
+        compared=True,
     )
     area: float = quantity(
         "area_mm2",
