@@ -25,7 +25,7 @@ from railhead.geometry.placement import (
 )
 from railhead.geometry.profiles import Profile
 from railhead.geometry.surfaces import ExactGap, ParabolicGap, RailSurface, WheelSurface, between
-from railhead.geometry.wheelset import Placed, Side, Track, WheelsetOnTrack
+from railhead.geometry.wheelset import Placed, Track, WheelsetOnTrack
 from railhead.meshing.bodies import RAIL
 from railhead.postprocess.findings import Frame
 from railhead.scene.bodies import is_profile_file
@@ -468,11 +468,6 @@ def place(scene: Scene, clearance: float = 0.0, both: Pairs | None = None) -> Pl
         raise SceneError("wheelset.shift", text) from None
 
 
-def solved_side(scene: Scene, placed: Placed) -> Side:
-    """The side of a placed wheelset that the scene solves."""
-    return placed.right if scene.wheelset.side == "right" else placed.left
-
-
 def locate(scene: Scene, both: Pairs | None = None) -> Contact:
     """First contact, on its rail, of the wheel of the wheelset that is solved, with x = 0 there; of
     half-spaces the origin.
@@ -497,7 +492,7 @@ def on_side(scene: Scene, placed: Placed, *, line: bool = False) -> Contact:
     whether it may be a line contact, or conform. Raises SceneError where it is one and may not, and
     at the edge of a profile.
     """
-    side = solved_side(scene, placed)
+    side = placed.right if scene.wheelset.side == "right" else placed.left
     touch = _tangent(scene, side.touches[0], line=line)
     centred, touch = side.pose.moved(x=-touch.x), replace(touch, x=0.0)
     added = surface_shape.shape(scene, side.pair, centred, touch)
