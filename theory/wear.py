@@ -41,8 +41,9 @@ USFD: Pairs = ((55.0 / 5.3, 55.0), (77.2, 55.0), (78.2, 116.9))
 #: takes them off. Burstow's whole-life rail model, from memory; others begin at 20 N.
 DAMAGE: Pairs = ((15.0, 0.0), (65.0, 1e-5), (175.0, 0.0))
 FIRST, DEEPEST = 0.25, 0.02  # largest share, and depth in mm, of the first step
-SHORT, SHORTEST = 0.1, 1e-3  # least steps: of what is done before, and where none is found
+SHORT, SHORTEST = 0.1, 1e-3  # least steps: of what is done before, and of the whole
 GROWTH = 3.0  # largest, from one step to the next
+WILD = 0.5  # change of the rate in a shortest step, at which steps follow it no longer
 
 
 @dataclass(frozen=True)
@@ -119,18 +120,6 @@ def averaged(values: Array, step: float, width: float) -> Array:
     return np.asarray((twice(s + width) + twice(s - width) - 2 * twice(s)) / width**2)
 
 
-def peak(values: Array, step: float, width: float) -> float:
-    """Largest value (n, ...) that are `step` mm apart, averaged over a width (`averaged`), without
-    what this takes from a parabola: a sixth of the fall within the width to the side on which they
-    fall less.
-    """
-    mean = averaged(values, step, width).reshape(len(values), -1)
-    n, which = np.unravel_index(int(np.argmax(mean)), mean.shape)
-    s, line = step * np.arange(len(mean)), mean[:, which]
-    beside = np.interp([s[n] - width, s[n] + width], s, line, left=0.0, right=0.0)
-    return float(line[n] + (line[n] - beside.max()) / 6)
-
-
 Advance = Callable[[Array, float], tuple[Array, float]]
 """Worn depth (n,), mm, and a share of the whole wear -> depth (n,) after a step of backward Euler
 from there, and its change: how far the rate of wear at the start of the step is from that at its
@@ -166,8 +155,9 @@ def march(advance: Advance, start: Stage, ends: Sequence[float]) -> Iterator[Sta
 
 def march_freely(advance: Advance, start: Stage, largest: float) -> Iterator[Stage]:
     """Worn depth as of `march` after steps that are chosen: the change of each is about `largest`,
-    and no more than twice that, but a step is at least SHORT of what is done before. A step in
-    which `advance` raises ValueError is made shorter; from SHORTEST on it is raised.
+    and no more than twice that, but a step is at least SHORT of what is done before, and SHORTEST.
+    A step in which `advance` raises ValueError is made shorter; from SHORTEST on it is raised, and
+    where the rate changes by more than WILD in a step that cannot be shorter.
     """
     stage = start
     while stage.done < 1.0:
@@ -181,10 +171,12 @@ def march_freely(advance: Advance, start: Stage, largest: float) -> Iterator[Sta
             stage = replace(stage, share=share / GROWTH)
             continue
         factor = min(max(largest / max(change, 1e-9), 1 / GROWTH), GROWTH)
-        following = max(share * factor, SHORT * stage.done)
+        following = max(share * factor, SHORT * stage.done, SHORTEST)
         if change > 2 * largest and following < share:
             stage = replace(stage, share=following)
             continue
+        if change > max(WILD, 2 * largest):
+            raise ValueError(f"the rate of wear changes by {change:.0%} in a step of {share:.1%}")
         done = 1.0 if count == 1 else stage.done + share
         stage = Stage(done, depth, change, following)
         yield stage

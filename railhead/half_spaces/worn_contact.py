@@ -4,14 +4,14 @@ A position bears a share of all passages. It sees the depth that all positions w
 step its own wear by the pressure of the step's end (`theory.wear`), of all lines together as much
 as T-gamma wears. What the others wear in the step is taken to grow with the position's own pressure
 on each line: alike positions then wear as one, and any step is stable. The largest pressure is an
-average across over 0.4 (MEAN) of the half width of its patch: what is narrower, as at the edge of a
-groove, is not known.
+average across over 0.1 (MEAN) of the half width of its patch: at the edge of a groove what is
+narrower depends on the grid.
 """
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 
@@ -33,7 +33,7 @@ from railhead.theory.wear import Splines, WearLaw
 
 BODIES = ("rail", "wheel")
 BROAD, FAINT = 3.0, 0.05
-MEAN = 0.4  # of the half width of a patch: over it its largest pressure is averaged
+MEAN = 0.1  # of the half width of a patch: over it its largest pressure is averaged
 MOST = 0.5  # of what a step wears, from the step before
 FOLLOWS = 2.0  # largest factor on the wear of all lines, by which slip follows the pressure
 PLACES = 4001  # along each profile
@@ -91,9 +91,10 @@ _splines = lru_cache(maxsize=8)(Splines)
 class Seen:
     """The contact of a position on profiles as they are.
 
-    values: quantities by their names in wear.json; 'rail_mm2' and 'wheel_mm2' are areas that all
-        passages take at the present rate, 'edge_cells' the least distance of a patch from an end
-        of a profile, in cells.
+    values: quantities by their names in wear.json; 'pressure_edge_MPa' is half of what an average
+        over twice the width takes off the largest pressure, 'rail_mm2' and 'wheel_mm2' are areas
+        that all passages take at the present rate, 'edge_cells' the least distance of a patch from
+        an end of a profile, in cells.
     fields: by name, (2, n) at the places along rail and wheel: 'pressure', largest of the line,
         MPa; 'index', largest surface fatigue index of the line, NaN without pressure or yield
         stress; by all passages at the present rate 'energy', the sum of T-gamma per width, N/mm,
@@ -174,7 +175,8 @@ class WornContact:
             area = math.fsum(step * line.sum() for step, line in zip(steps, lines, strict=True))
             # Slip follows the pressure: all lines together lose what T-gamma wears.
             follows = self.seen.values[f"{body}_mm2"] / area if area else 0.0
-            worn.append(share * min(follows, FOLLOWS) * self._worn(body, after, lines))
+            depth = self._splines[body].projected(self._field(body, after, lines))
+            worn.append(share * min(follows, FOLLOWS) * depth)
         return np.array(worn)
 
     def _press(self, lines: Lines | None) -> BoundaryElementSolution:
@@ -222,10 +224,6 @@ class WornContact:
         pairs = zip(windows, values, strict=True)
         return np.sum([self._hats(body, window.s) @ value for window, value in pairs], axis=0)
 
-    def _worn(self, body: str, windows: Sequence[PatchSolution], values: Sequence[Array]) -> Array:
-        """As `_field`, projected onto the splines of the worn depth."""
-        return self._splines[body].projected(self._field(body, windows, values))
-
     def _sheared(self) -> Seen:
         """Tractions under the pressure, and what is read from both."""
         pair = self._pair
@@ -252,7 +250,9 @@ class WornContact:
                     "damage": wear.damage(total) * (each.pressure > 0).any(axis=0),
                 }
             )
-        self._rate = _curve(*zip(*curves, strict=True))
+        at, rates = (np.concatenate(each) for each in zip(*curves, strict=True))
+        order = np.argsort(at)
+        self._rate = partial(np.interp, xp=at[order], fp=rates[order])
         bodies = [self._fields(body, windows, lines) for body in BODIES]
         return Seen(
             values=self._values(windows, lines),
@@ -275,16 +275,23 @@ class WornContact:
             for body in BODIES
         }
         energy = [(step, each["energy"]) for step, each in zip(steps, lines, strict=True)]
+        largest = self._largest(MEAN)
         return {
-            "pressure_max_MPa": max(
-                wear.peak(each.pressure.T, each.s[1] - each.s[0], MEAN * each.half_extents[1])
-                for each in self._windows
-            ),
+            "pressure_max_MPa": largest,
+            "pressure_edge_MPa": (largest - self._largest(2 * MEAN)) / 2,
             "area_mm2": self._pressed.area,
             "t_gamma_N": sum(step * float(line.sum()) for step, line in energy),
             **worn,
             "edge_cells": self._edge_cells(),
         }
+
+    def _largest(self, part: float) -> float:
+        """Largest pressure, MPa, averaged across over a part of the half width of its patch."""
+        return max(
+            float(wear.averaged(each.pressure.max(axis=0), step, part * each.half_extents[1]).max())
+            for each in self._windows
+            for step in np.diff(each.s[:2]).tolist()
+        )
 
     def _edge_cells(self) -> float:
         """Distance of the pressed lines of all patches from the nearest end of a profile, in cells
@@ -357,10 +364,3 @@ def solve(
 def _force(window: PatchSolution) -> Array:
     """Force per width of the lines of a window (ns,), N/mm."""
     return np.asarray(float(window.x[1] - window.x[0]) * window.pressure.sum(axis=0))
-
-
-def _curve(s: Sequence[Array], values: Sequence[Array]) -> Lines:
-    """Straight lines through values at places s, mm, of several windows; constant beyond."""
-    places, known = np.concatenate([*s]), np.concatenate([*values])
-    order = np.argsort(places)
-    return lambda at: np.interp(at, places[order], known[order])

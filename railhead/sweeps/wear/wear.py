@@ -20,7 +20,7 @@ from railhead.scene.quantities import GROUPS
 from railhead.scene.scene import Scene, SceneError
 from railhead.sweeps import store, worker_pool
 from railhead.sweeps.wear import wear_run
-from railhead.sweeps.wear.wear_result import Row, WearResult
+from railhead.sweeps.wear.wear_result import Row, WearResult, amount
 from railhead.sweeps.wear.wear_run import Route, Run
 from railhead.theory.array_types import Array
 
@@ -226,7 +226,7 @@ def _save(found: WearResult, folder: Path, *, pictures: bool) -> None:
 
     title, failures = f"wear of {scene.name}", list[str]()
     bodies = {body: _worn_body(found, body) for body in found.route.worn}
-    subject, limits = Subject(f"{title}, after {_amount(found.rows[-1])}"), scene.wear
+    subject, limits = Subject(f"{title}, after {amount(found.rows[-1])}"), scene.wear
     flange = found.rows[-1]["flange_thickness_mm"], limits.flange_limit
     drawn = {
         PICTURE: partial(
@@ -292,9 +292,3 @@ def _profile(places: Places, depth: Array, slope: float) -> str:
     lines = (f"{y:.{DECIMALS}f},{z:.{DECIMALS}f}" for y, z in places.worn(depth) @ back)
     note = f"# railhead {result_folder.VERSION}, worn profile; y to the field side"
     return "\n".join([note, "y [mm],z [mm]", *lines, ""])
-
-
-def _amount(row: Row) -> str:
-    """Words for what a row of the history has passed: wheels over the rail, km of the wheel."""
-    units = {"axles": "wheels", "distance_km": "km"}
-    return " and ".join(f"{row[key]:g} {unit}" for key, unit in units.items() if row[key])

@@ -28,6 +28,7 @@ ROW_STEP = 0.1  # mm between the rows of tables
 AMPLITUDE, REACH = 3.0, 8.0  # mm: of the equivalent conicity, and of the shifts it is read from
 VOLUME = 0.02  # relative: of the worn area, by the passages between two steps
 LEAST = 0.003  # relative error that is always expected
+OWN = {"flange_thickness_mm": 0.0, "pressure_max_MPa": 0.005}  # that of some numbers
 FACTOR = 2.0  # of the change from the coarse run to the main one, an error
 USEFUL = 0.25  # largest relative error of a pressure that says something
 ALONE, THIN = 0.8, 2.0  # part of the wear of a place; depth of a groove, over the approach
@@ -92,7 +93,7 @@ class WearResult:
             "limits_reached": self._limits(),
             "rows": self.rows,
             "positions": self._positions(),
-            "left_out": self.route.left_out,
+            "left_out": self.route.left_out | self._thin,
             "beside": self.beside,
             "yield": self.grooves,
             "fatigue": self.fatigue,
@@ -163,6 +164,16 @@ class WearResult:
         main, coarse = self.runs["main"].seen[2 * number :], self.runs["coarse"].seen[number:]
         known = [each[0].values for each in (main, coarse) if each]
         return [_estimated(*each) for each in zip(*known, strict=True)] if main else []
+
+    @property
+    def _thin(self) -> dict[str, str]:
+        """Entry of "left_out" where one of several positions wears a groove of its own."""
+        run, positions = self.runs["main"], self.route.positions
+        depth = max(float(run.depths[body].max()) for body in self.route.worn)
+        over = depth / min(position.hertz.approach for position in positions)
+        thin = len(positions) > 1 and over > THIN and run.seen and run.seen[-1].alone > ALONE
+        text = f"one wears a groove of its own, {over:.2g} approaches deep; sample the real route"
+        return {"positions": text} if thin else {}
 
     @property
     def _reason(self) -> str:
@@ -256,7 +267,7 @@ class WearResult:
             value=math.inf if self._reason else 0.0,
             limit=0.0,
             source=self._reason or "every step was solved",
-            advice="the files hold what was worn up to there; give less wear or other positions",
+            advice="the files hold what was worn up to there; give more positions, or less wear",
         )
         yield Check(
             name="accuracy",
@@ -280,17 +291,6 @@ class WearResult:
                 limit=0.0,
                 source="positions, on new or worn profiles, whose stresses of fatigue are missing",
                 advice="wear.json has the reasons; leave these positions out",
-            )
-        if len(self.route.positions) > 1:
-            approach = min(position.hertz.approach for position in self.route.positions)
-            depth = max(float(run.depths[body].max()) for body in self.route.worn)
-            alone = bool(run.seen) and run.seen[-1].alone > ALONE
-            yield Check(
-                name="positions",
-                value=depth / approach if alone else 0.0,
-                limit=THIN,
-                source="largest depth over the smallest approach, where one position does the wear",
-                advice="positions wear grooves of their own: give more of them, or less wear",
             )
         known = self._bounds["pressure_max_MPa"].values()
         yield Check(
@@ -369,7 +369,10 @@ def words(summary: Mapping[str, Any]) -> list[str]:
         off = "its error is not known" if error is None else f"+- {error:.2g} of it"
         return "not known" if value is None else f"{value:.4g} {unit} {off}"
 
-    lines = [f"steps: {summary['steps']}, positions: {len(summary['positions'])}"]
+    lines = [
+        f"steps: {summary['steps']}, positions: {len(summary['positions'])}, "
+        f"after {amount(summary['rows'][-1]) or 'nothing'}"
+    ]
     if summary["reason"]:
         lines.append(f"stopped: {summary['reason']}")
     worn = summary["scene"]["wear"]["on"]
@@ -416,6 +419,12 @@ def words(summary: Mapping[str, Any]) -> list[str]:
     ]
 
 
+def amount(row: Row) -> str:
+    """Words for what a row of the history has passed: wheels over the rail, km of the wheel."""
+    units = {"axles": "wheels", "distance_km": "km"}
+    return " and ".join(f"{row[key]:g} {unit}" for key, unit in units.items() if row[key])
+
+
 def _geometry(run: Run, depths: Array) -> Row:
     """Equivalent conicity at 3 mm (AMPLITUDE), of level axles, and flange thickness in mm after a
     depth; None where the profiles have none.
@@ -453,15 +462,17 @@ def _error(main: Any, coarse: Any, least: float = LEAST) -> Any:
 
 
 def _estimated(row: Row, coarse: Row | None = None) -> Row:
-    """A row, with `_error` of each of its numbers but those that are given; None where it is not
-    known.
+    """A row, with `_error` of each of its numbers but those that are given, of a largest pressure
+    with that of the edge of a groove; None where it is not known.
     """
     found = dict(row)
     for key in [key for key in row if key not in GIVEN]:
         value, other = row[key], (coarse or {}).get(key)
         known = value is not None and other is not None
-        least = 0.0 if key == "flange_thickness_mm" else LEAST  # of which wear takes a small part
-        found[f"{key} estimate"] = float(_error(value, other, least)) if known else None
+        edge = row.get("pressure_edge_MPa", 0.0) if key == "pressure_max_MPa" else 0.0
+        found[f"{key} estimate"] = (
+            float(np.hypot(_error(value, other, OWN.get(key, LEAST)), edge)) if known else None
+        )
     return found
 
 

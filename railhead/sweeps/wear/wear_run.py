@@ -45,7 +45,7 @@ Grid = tuple[int, float]
 """Cells each way, and knots over the smallest half width of a patch."""
 RUNS: dict[str, Grid] = {"coarse": (48, 7.5), "main": (96, 15.0)}
 QUICK = (24, 4.0)  # before the first step
-CHANGE = 5.5  # of the rate in a step, over the accuracy
+CHANGE = 0.55  # of the rate in a step, over the root of the accuracy: errors fall as its square
 DEEP = 20.0  # mm, a depth that no wheel or rail has to give
 NOTHING = 1e-5  # mm, a depth that no one measures
 LIGHT, HEAVY = 1e-9, 1e9  # shares that a table may give
@@ -369,7 +369,10 @@ def solve(
                 run.stages.append(stage)
                 run.write(folder, APART * number + len(run.stages) - 1)
                 of = "" if ends is None else f" of {len(ends)}"
-                progress.stage(f"{name} run: step {len(run.stages) - 1}{of}, {stage.done:.1%} worn")
+                progress.stage(
+                    f"run {number + 1} of 2 ({name}): step {len(run.stages) - 1}{of}, "
+                    f"{stage.done:.1%} worn"
+                )
             end = run.stages[-1]
             seen, owed = run.contacts(end.depth, 0.0)
             run.seen.append(seen)
@@ -396,7 +399,7 @@ def _stages(run: Run, ends: Sequence[float] | None) -> Iterator[Stage]:
         last = replace(last, share=share)
     if ends is not None:
         return wear.march(run.advance, last, [end for end in ends if end > last.done])
-    return wear.march_freely(run.advance, last, CHANGE * given.accuracy)
+    return wear.march_freely(run.advance, last, CHANGE * math.sqrt(given.accuracy))
 
 
 def _joined(seen: Sequence[Seen]) -> Contacts:

@@ -125,9 +125,26 @@ def test_a_run_that_stops_keeps_what_it_has_with_its_error_and_says_why(tmp_path
     summary = found.summary
     assert summary["reason"] == "main run, after 66.7%: no patch"
     assert f"stopped: {summary['reason']}" in found.words()
+    assert found.words()[0].endswith("after 1467.07 wheels")
     assert summary["done"] == pytest.approx(2 / 3) and summary["checks"]["failed"] == ["converged"]
     assert 0 < summary["accuracy"]["bound"]["depth_max_mm"]["rail"] < 0.1
     assert summary["rows"][-1]["axles"] == pytest.approx(2 / 3 * AXLES)
+
+
+def test_the_edge_of_a_groove_is_a_part_of_the_error_of_pressures_alone():
+    row = {"pressure_max_MPa": 600.0, "pressure_edge_MPa": 8.0, "area_mm2": 100.0}
+    found = wear_result._estimated(row, row | {"pressure_max_MPa": 597.0})
+    assert found["pressure_max_MPa estimate"] == pytest.approx(np.sqrt(6**2 + 3**2 + 8**2))
+    assert found["area_mm2 estimate"] == pytest.approx(0.3)
+
+
+@pytest.mark.slow
+def test_a_crown_worn_to_two_square_millimetres_has_its_pressure_and_depth(tmp_path):
+    """600 MPa and 0.15 mm by steps of lines that stay in place."""
+    found = sweep.wear(crown(axles=12343, accuracy=0.02), tmp_path / "out", pictures=False)
+    bound, last = found.summary["accuracy"]["bound"], found.summary["pressure_max_MPa"]["last"]
+    assert found.passed and abs(last - 600) < bound["pressure_max_MPa"]["last"] * last < 0.05 * last
+    assert found.summary["depth_max_mm"]["rail"] == pytest.approx(0.15, rel=5e-3)
 
 
 def test_limits_are_reached_where_the_depth_passes_them(worn):
@@ -167,11 +184,11 @@ def test_the_last_pressure_is_that_of_the_profile_that_is_written(tmp_path):
     assert off < min(5.0, last["pressure_max_MPa estimate"])
 
 
-@pytest.mark.parametrize(("alone", "fails"), [(0.9, True), (0.5, False)])
-def test_a_route_of_a_few_grooves_is_named(worn, alone, fails, monkeypatch):
+@pytest.mark.parametrize(("alone", "named"), [(0.9, True), (0.5, False)])
+def test_a_route_of_a_few_grooves_is_named(worn, alone, named, monkeypatch):
     """One position on purpose is not."""
     found = worn[0]
-    assert "positions" not in found.summary["checks"]
+    assert "positions" not in found.summary["left_out"]
     monkeypatch.setattr(wear_result, "THIN", 0.2)  # the depth is 0.3 of the approach
     route = replace(found.route, positions=found.route.positions * 2, shares=(0.5, 0.5))
     twice = {
@@ -181,7 +198,8 @@ def test_a_route_of_a_few_grooves_is_named(worn, alone, fails, monkeypatch):
         for name, run in found.runs.items()
     }
     thin = wear_result.WearResult(route, twice)
-    assert ("positions" in thin.summary["checks"]["failed"]) is fails
+    assert ("positions" in thin.summary["left_out"]) is named
+    assert any("a groove of its own" in line for line in thin.words()) is named
 
 
 def test_the_largest_of_pressures_is_as_uncertain_as_those_that_may_be_the_largest(worn):
