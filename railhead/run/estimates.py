@@ -259,19 +259,19 @@ def _of_rigid_bodies(solved: MeshSolution) -> set[str]:
     }
 
 
-def _of_strain(solved: MeshSolution) -> dict[str, float]:
-    """What an unknown creepage along (STRAIN) changes, by key in its unit: the creepage itself
-    where its force is given, else force, moment and T-gamma. The force grows as of Vermeulen and
-    Johnson, J. Appl. Mech. 31 (1964), from Kalker's linear theory on. Empty but for solids of like
-    materials that roll.
+def of_strain(
+    plan: Plan, found: FrictionSolution, findings: Findings, approach: float
+) -> dict[str, float]:
+    """What an unknown creepage along (STRAIN) changes in solids of like materials that roll, by key
+    in its unit: the creepage itself where its force is given, else force, moment and T-gamma. The
+    force grows as of Vermeulen and Johnson, J. Appl. Mech. 31 (1964), from Kalker's linear theory
+    on. found, findings: tractions and patch. approach: mm.
     """
-    found, findings, scene = solved.solution.friction, solved.findings, solved.plan.scene
-    if found is None or findings is None or found.misread is None:
-        return {}
-    creepage = STRAIN * solved.solution.approach / scene.wheel.rolling_radius
+    scene = plan.scene
+    creepage = STRAIN * approach / scene.wheel.rolling_radius
     if scene.rolling.force_along is not None:
         return {"creepage_along": creepage}
-    a, b, pair = findings.patch.a, findings.patch.b, solved.plan.context.half_spaces.materials
+    a, b, pair = findings.patch.a, findings.patch.b, plan.context.half_spaces.materials
     c11 = kalker.coefficients(min(max(a / b, 0.05), 20.0), pair.poisson).c11
     slope = c11 * pair.shear_modulus * a * b * max(1 - found.used, 0.0) ** (2 / 3)
     force, moment = slope * creepage, slope * creepage * math.sqrt(a * b) / 2
@@ -324,7 +324,9 @@ def estimate(meshes: Sequence[MeshSolution]) -> tuple[Parts, str]:
     found = solved.solution.friction
     if found is not None and "area_mm2" in errors:
         patch = [sum(errors[key].values()) for key in ("area_mm2", "max_MPa")]
-        still, strain = solved.forces.get("resolution", {}), _of_strain(solved)
+        still, strain = solved.forces.get("resolution", {}), dict[str, float]()
+        if found.misread is not None:
+            strain = of_strain(solved.plan, found, solved.findings, solved.solution.approach)
         for name, (mesh, grid) in friction_errors(solved, found, *patch).items():
             over = abs(_with_rises(solved.forces)[name])
             over = found.friction_limit if name in FRICTION_SHARES else over

@@ -24,7 +24,7 @@ from railhead.planning.simulation_plan import Plan
 from railhead.postprocess.findings import Findings
 from railhead.postprocess.friction import AT_BORDER, LOADS, MOTION, quantities
 from railhead.postprocess.patch import compare, half_space
-from railhead.run.estimates import Parts, friction_errors
+from railhead.run.estimates import FRICTION_SHARES, Parts, friction_errors, of_strain
 from railhead.run.mesh_solution import Answered, MeshSolution, read_friction
 from railhead.run.progress import Progress
 from railhead.scene.quantities import SCATTER, numeric_values
@@ -39,6 +39,10 @@ DRAWN = 0.5  # mm from the end of a drawn section: its corner lies between two p
 # Relative error of stresses over half width times curvature of a body, where the pressure is
 # largest: 0.26 measured.
 CURVED = 0.3
+# Error that the curvature of bodies adds to that of the area in forces, over half length times sum
+# of the curvatures: of 33 crowned pairs 98 % of forces, moments and T-gamma are then within the
+# estimates of both methods. Where b < a/4 it is up to 0.1.
+CURVED_SHEAR = 0.03
 # Error of pressure and area of unlike bodies over what tractions change of the peak, by whether the
 # contact is a line, whose pressure stays Hertz's. From 64 to 256 cells 0.5 to 1.6 % were measured.
 COUPLED = {False: 0.05, True: 1.25}
@@ -229,15 +233,35 @@ def _with_tractions(solved: HalfSpaceSolution, parts: Parts) -> Parts:
     # Tractions of several patches may cancel out, what bodies change of each does not.
     area, pressure = (sum(parts[key].values()) for key in ("area_mm2", "max_MPa"))
     area = max(area, pressure)  # a small patch may carry most of the load
-    changes = friction_errors(solved, sheared.solution, area, pressure)
-    for key, (bodies, grid) in changes.items():
+    plan, rubs, strain = solved.plan, sheared.solution, dict[str, float]()
+    if plan.contact.curved_solid:
+        area += CURVED_SHEAR * _half_over_radius(plan, found)
+        if sheared.rolling and sheared.pair.materials.like:
+            strain = of_strain(plan, rubs, found, abs(solved.result["approach_mm"]))
+    for key, (bodies, grid) in friction_errors(solved, rubs, area, pressure).items():
         parts[key] = {"bodies": bodies, "grid": grid}
+        if key in strain:
+            over = solved.forces[key]
+            over = rubs.friction_limit if key in FRICTION_SHARES else abs(over)
+            parts[key]["strain"] = strain[key] / over
     if not sheared.pair.materials.like:
         before = max(each.pressed.max_pressure for each in sheared.patches)
         change = abs(max(each.max_pressure for each, _ in sheared.stressed) / before - 1)
         for key in parts.keys() & {"max_MPa", "mean_MPa", "area_mm2", "a_mm", "b_mm"}:
             parts[key] = {**parts[key], "tractions": COUPLED[solved.plan.contact.line] * change}
     return parts
+
+
+def _half_over_radius(plan: Plan, found: Findings) -> float:
+    """Larger half length of the most loaded patch times the sum of the curvatures of both surfaces,
+    along and across, in magnitude.
+    """
+    top = max(found.patch.each, key=lambda each: each.max_pressure)
+    y, radius = top.centre[1], plan.scene.wheel.rolling_radius
+    across = [
+        abs(float(each.curvature(y - shift))) for _, each, shift in plan.contact.cross_profiles
+    ]
+    return max(top.a, top.b) * (sum(across) + 1 / radius)
 
 
 def beside(solved: MeshSolution) -> tuple[dict[str, Any] | None, dict[str, Any] | None]:

@@ -73,14 +73,15 @@ class Ellipse:
     def __call__(self, along: float, across: float, spin: float) -> Array:
         """Forces along and across over mu N and moment over mu N sqrt(a b), and their errors, (2,
         3), at X, Y and S. Both grids are extrapolated by the first order of the upstream
-        differences; the error is half of the change from one grid to the other. ValueError: a law
-        has several steady states, or does not settle.
+        differences; the error of each is the root mean square of the three changes from one grid
+        to the other, as one alone may change little by chance. ValueError: a law has several steady
+        states, or does not settle.
         """
         creepage = Creepage(*(self.scales * (along, across, spin)))
         for i, grid in enumerate(self._grids):
             self._last[i] = grid.solve(creepage, None if self._law else self._last[i])
         coarse, fine = (np.array(each.forces) / NORMAL for each in self._last if each)
-        return np.array([2 * fine - coarse, np.abs(fine - coarse) / 2])
+        return np.array([2 * fine - coarse, np.full(3, np.sqrt(np.mean((fine - coarse) ** 2)))])
 
 
 def _friction(axis_ratio: float, poisson: float, cells: int, law: Law | None) -> HalfSpaceFriction:
@@ -233,7 +234,7 @@ class CreepTable:
         `_read`: the errors are those of the grid and of interpolation.
         """
         forces, grid, bent = self._read(ratio, place)
-        return forces, grid + self.local[1] * (bent + self.local[0])
+        return forces, np.hypot(grid, self.local[1] * (bent + self.local[0]))
 
     def _read(self, ratio: float, place: Array) -> tuple[Array, Array, Array]:
         """Forces, errors of the grid, and by how much cubics between the nodes differ from straight
