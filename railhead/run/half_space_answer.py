@@ -237,7 +237,7 @@ def _with_tractions(solved: HalfSpaceSolution, parts: Parts) -> Parts:
     if plan.contact.curved_solid:
         area += CURVED_SHEAR * _half_over_radius(plan, found)
         if sheared.rolling and sheared.pair.materials.like:
-            strain = of_strain(plan, rubs, found, abs(solved.result["approach_mm"]))
+            strain = of_strain(plan, rubs, found, solved.ellipse.approach)
     for key, (bodies, grid) in friction_errors(solved, rubs, area, pressure).items():
         parts[key] = {"bodies": bodies, "grid": grid}
         if key in strain:

@@ -212,6 +212,29 @@ def test_the_side_force_on_a_gauge_corner_is_part_of_the_estimate() -> None:
         assert 0.06 < abs(bodies / value - 1) < estimate < 0.25
 
 
+@pytest.mark.parametrize(
+    ("keys", "force", "bodies"),
+    [
+        (["load=7023.61", "rail.crown_radius=73.9121", "wheel.rolling_radius=495.004",
+          "friction.coefficient=0.522", "rolling.spin=2.25521e-3"], "along", -15.09),
+        (["load=12686.5", "rail.crown_radius=159.688", "wheel.rolling_radius=432.747",
+          "wheel.profile=arc", "wheel.transverse_radius=133.36", "friction.coefficient=0.344836",
+          "rolling.creepage_along=1.30914e-4", "rolling.creepage_across=4.44925e-3",
+          "rolling.spin=-7.1915e-4"], "across", 3779.9),
+    ],
+)  # fmt: skip
+def test_forces_of_long_narrow_patches_are_within_their_estimate_of_finite_elements(
+    keys, force, bodies
+) -> None:
+    """Crowned bodies whose curvature changes what tractions do; their own finite elements beside,
+    within 0.3 and 0.2 % of mu N.
+    """
+    found = fast("hertz_ellipse", "rail.extent=head", "quantities=patch,forces", *keys).summary
+    friction, key = found["result"]["friction"], f"force_{force}_N"
+    off, parts = abs(bodies - friction[key]) / friction["limit_N"], found["accuracy"]["parts"][key]
+    assert parts["grid"] < off < sum(parts.values()) < 0.006
+
+
 def test_the_curvature_of_the_bodies_counts_where_the_pressure_is_largest() -> None:
     """At 5 mm that is the narrow patch on the gauge corner, of radius 13 mm, not the wide one."""
     summary = fast("s1002_60e1", "wheelset.shift=5mm", "quantities=patch,stresses").summary
