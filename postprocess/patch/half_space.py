@@ -152,7 +152,6 @@ def of_boundary_elements(
         for patch in kept
     ]
     shown = next(iter(poisson), "")
-    outlines = [frame.local(points(*one.outline.T))[:, :2] for one in solution.patches]
     return Findings(
         frame=frame,
         patch=Patch(
@@ -162,7 +161,7 @@ def of_boundary_elements(
             area=area,
             max_pressure=solution.max_pressure,
             mean_pressure=solution.force / area,
-            outlines=outlines,
+            outlines=[frame.local(points(*one.outline.T))[:, :2] for one in solution.patches],
             each=each,
             scatter=scatter,
         ),

@@ -8,9 +8,10 @@ import numpy as np
 
 from railhead.contact.solid import Contact
 from railhead.geometry import outlines, profiles
-from railhead.geometry.placement import Pose, about_axle
+from railhead.geometry.placement import ContactPoint, Pose, about_axle
 from railhead.meshing.bodies import RAIL, WHEEL, Body
 from railhead.scene.scene import Scene, SceneError
+from railhead.theory.array_types import Array
 
 HEAD_DEPTH = 50.0  # mm, of a block below a single-radius or measured crown
 FOOT = 25.0  # mm, of it below the groove between two heads at least
@@ -56,6 +57,14 @@ def depth(scene: Scene, body: int) -> float:
     if name := standard_rail(scene):
         return outlines.head_depth(name)
     return scene.rail.depth or HEAD_DEPTH
+
+
+def tread(contact: Contact, touch: ContactPoint) -> Array:
+    """Ends (2,) of the wheel's tread across, from a contact point, mm: those of its profile, and at
+    most half of its width away.
+    """
+    half = (contact.scene.wheel.width or math.inf) / 2
+    return np.clip(np.array(contact.profiles["wheel"][0].domain) - touch.wheel_y, -half, half)
 
 
 def standard_rail(scene: Scene) -> str:

@@ -166,7 +166,7 @@ def _patches(
     """
     spans = pair.developed.sections
     kept = [each for each in solved.patches if each.force > SMALLEST * solved.force]
-    of = [min(spans, key=lambda span: abs(each.centroid[1] - span.middle)) for each in kept]
+    of = [pair.developed.at(each.centroid[1]) for each in kept]
     return [(span, [k for k, near in zip(kept, of, strict=True) if near is span]) for span in spans]
 
 
@@ -175,8 +175,7 @@ def _bodies(pair: HalfSpacePair, deformable: Sequence[int], span: Section) -> li
     developed surface of the rail. The head of a standard rail ends on its straight sides (SIDE),
     below the profile.
     """
-    contact, touch = pair.contact, span.touch
-    scene = contact.scene
+    contact, scene = pair.contact, pair.contact.scene
     modulus = closed_forms.contact_modulus(scene)
     found = []
     for tag in deformable:
@@ -186,9 +185,7 @@ def _bodies(pair: HalfSpacePair, deformable: Sequence[int], span: Section) -> li
             side = SIDE * profiles.head_side(placed_bodies.standard_rail(scene))
             low, high = span.ends[0] - side, span.ends[1] + side
         else:
-            half = (scene.wheel.width or math.inf) / 2
-            tread = np.array(contact.profiles["wheel"][0].domain) - touch.wheel_y
-            low, high = np.clip(tread, -half, half)
+            low, high = placed_bodies.tread(contact, span.touch)
         ends = span.middle + low, span.middle + high
         give = GIVE[tag] * depth if tag == WHEEL or scene.rail.varies else 0.0
         found.append(_Body(tag == WHEEL, weight, part.poisson_ratio, depth, ends, give))

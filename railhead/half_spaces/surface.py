@@ -127,6 +127,10 @@ class Developed:
         of = self._of(s)
         return ((each, of == number) for number, each in enumerate(self.sections))
 
+    def at(self, s: float) -> Section:
+        """The section that a place s, mm, lies on."""
+        return self.sections[int(self._of(np.array([s]))[0])]
+
     def under(self, touch: ContactPoint) -> Section:
         """The section below a contact point."""
         return min(self.sections, key=lambda each: abs(touch.y - each.touch.y))
@@ -192,7 +196,7 @@ class Developed:
         section of the pressed surfaces, at x (nx,), s (ns,) in mm (`RigidSlip`); 0 beyond it.
         These lie between both bodies where the wheel is lowest.
         """
-        section = self.sections[self._of(s[:1])[0]]
+        section = self.at(float(s[0]))
         t, origin, axes = section.across(s, math.nan), section.origin, section.axes
         lowest = np.full_like(s, section.touch.x)
         if section.rail is None:

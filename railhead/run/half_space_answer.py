@@ -15,7 +15,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from railhead.contact import closed_forms
+from railhead.contact import closed_forms, placed_bodies
 from railhead.half_spaces import shearing
 from railhead.half_spaces.allowance import added_stress
 from railhead.half_spaces.pressing import FINE, HalfSpacePair, Pressed
@@ -166,14 +166,12 @@ def _edge_distance(plan: Plan, pressed: BoundaryElementSolution) -> float:
     """
     if plan.context.half_spaces.exact:
         return math.inf
-    sections, scene = plan.context.half_spaces.developed.sections, plan.scene
-    tread = np.array(plan.contact.profiles["wheel"][0].domain)
-    half, room = (scene.wheel.width or math.inf) / 2, math.inf
+    developed, room = plan.context.half_spaces.developed, math.inf
+    inside = (DRAWN if plan.scene.rail.sections else 0.0) * np.array([1, -1])
     for patch in pressed.patches:
-        below = min(sections, key=lambda each: abs(patch.centroid[1] - each.middle))
-        wheel = np.clip(tread - below.touch.wheel_y, -half, half)
-        head = np.array(below.ends) + (DRAWN if scene.rail.sections else 0.0) * np.array([1, -1])
-        low, high = np.clip(wheel, *head) + below.middle
+        below = developed.at(patch.centroid[1])
+        tread = placed_bodies.tread(plan.contact, below.touch)
+        low, high = np.clip(tread, *(np.array(below.ends) + inside)) + below.middle
         s = patch.s[patch.pressure.any(axis=0)]
         room = min(room, s[0] - low, high - s[-1])
     return float(room) / min(max(pressed.patches, key=lambda each: each.force).half_extents)
