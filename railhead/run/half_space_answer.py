@@ -64,6 +64,8 @@ class HalfSpaceSolution(Answered):
 
     ellipse: exact Hertz for the curvatures at the first contact, an ellipse or a line contact,
         under the load or approach of the scene.
+    load: vertical load that pressure and tractions carry, N; 0 without a solution.
+    approach: of distant points, along the vertical, mm; 0 without a solution.
     reason: why there is no solution; empty where there is one.
     error_parts: relative error estimates by key of summary.json, in parts that add up: what finite
         bodies would change, and the error of the grid. Empty without a solution.
@@ -76,6 +78,8 @@ class HalfSpaceSolution(Answered):
     """
 
     ellipse: Hertz
+    load: float = 0.0
+    approach: float = 0.0
     reason: str = ""
     error_parts: Parts = field(default_factory=dict)
     pressed: Pressed | None = None

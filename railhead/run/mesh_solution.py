@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
@@ -48,13 +49,10 @@ APPROACH_TOLERANCE = 1e-9  # largest relative error of that approach
 
 
 @dataclass(frozen=True, kw_only=True)
-class Answered:
+class Answered(ABC):
     """What solutions by finite elements and by half-spaces have in common.
 
     plan: the plan that was solved; its forecast is the one that a mesh was made for.
-    load: vertical load on the wheel that the solution carries, friction included, of the whole
-        model, N; 0 without a solution.
-    approach: of the supports or, between half-spaces, of distant points, along the vertical, mm.
     findings: patch, pressure and stresses; None where nothing touches, and of finite elements off
         rank 0.
     forces: numbers of friction, as of `postprocess.friction.quantities`; empty without friction,
@@ -63,11 +61,21 @@ class Answered:
     """
 
     plan: Plan
-    load: float = 0.0
-    approach: float = 0.0
     findings: Findings | None = None
     forces: Mapping[str, Any] = field(default_factory=dict)
     passes: Passes | None = None
+
+    @property
+    @abstractmethod
+    def load(self) -> float:
+        """Vertical load on the wheel that the solution carries, friction included, of the whole
+        model, N; 0 without a solution.
+        """
+
+    @property
+    @abstractmethod
+    def approach(self) -> float:
+        """Of the supports or, between half-spaces, of distant points, along the vertical, mm."""
 
     @cached_property
     def result(self) -> dict[str, Any] | None:
@@ -128,6 +136,16 @@ class MeshSolution(Answered):
         """
         plan = self.plan
         return closed_forms.hertz_contact(plan.scene, plan.contact, self.solution.load or None)
+
+    @property
+    def load(self) -> float:
+        """Vertical load of the whole model, friction included, N."""
+        return self.solution.load
+
+    @property
+    def approach(self) -> float:
+        """Of the supports, along the vertical, mm."""
+        return self.solution.approach
 
     @property
     def approach_error(self) -> float:
@@ -264,8 +282,6 @@ def _solve_unread(
     better = comm.bcast(None if fields is None else _remesh_for_found_patch(plan, fields))
     solved = MeshSolution(
         plan=plan,
-        load=solution.load,
-        approach=solution.approach,
         mesh=mesh,
         space=model.bulk.space,
         unknowns=model.unknowns,
@@ -276,13 +292,7 @@ def _solve_unread(
     )
     elastic = _elastic_reference(solution)
     if elastic is not solution:
-        reference = replace(
-            solved,
-            solution=elastic,
-            load=elastic.load,
-            approach=elastic.approach,
-            fields=gather(model, elastic),
-        )
+        reference = replace(solved, solution=elastic, fields=gather(model, elastic))
         state = _read_residual_state(model, solution, fields, plan.contact.frame)
         if state is not None:
             state = replace(state, load_over_first_yield=plan.context.overload)
