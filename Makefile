@@ -1,5 +1,5 @@
 .PHONY: run page test pytest test-all setup lint docs peers deb pip-check site
-STUDIES = accuracy-cost effect-accuracy load-sweep scaling ranks thesis effects plasticity passes creep profiles hard-cases fuzz speed
+STUDIES = accuracy-cost effect-accuracy scaling ranks thesis effects plasticity passes creep profiles hard-cases fuzz speed
 ROOMS = cases meshing postprocess solver theory
 
 # Compiled modules and tests are kept, whatever the environment says.

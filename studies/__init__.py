@@ -42,10 +42,6 @@ STUDIES = {
         "studies.hard.hard_cases",
         "hard cases: loads, starts, shapes, stiffness, meshes, places, factors, random scenes",
     ),
-    "load_sweep": (
-        "studies.mechanics.load_sweep",
-        "loads from 1 to 150 kN on one mesh against Hertz's power laws (thesis, figures 6.8-6.10)",
-    ),
     "pass_bounds": (
         "studies.accuracy.pass_bounds",
         "estimates of passes against twice the elements, 16 random lines",

@@ -19,7 +19,7 @@ HOWTO = ["solver", *sorted(path.stem for path in DOCS.glob("howto-*.md"))]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [*NAMES, *HOWTO, "contact-program"])
+@pytest.mark.parametrize("name", [*NAMES, *HOWTO, "contact-program", "hertz"])
 def test_a_page_runs_and_prints_what_it_says(name: str, here) -> None:
     page = DOCS / f"{name}.md"
     said, printed = pages.stated(page), pages.run(page)[1]

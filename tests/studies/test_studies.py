@@ -11,7 +11,6 @@ from railhead.scene import catalogue
 
 #: Files beside the page, and what it says.
 QUICK = {
-    "load-sweep": ({"load_sweep.csv", "load_sweep.png"}, "Largest difference of a, b and p_max"),
     "accuracy-cost": (
         {"accuracy_cost.csv", "accuracy_cost.png", "accuracy_asked.csv", "accuracy_asked.png"},
         "Nothing: every run converged.",
@@ -56,10 +55,10 @@ def test_a_quick_study_writes_its_files_and_prints_its_page(name: str, here, cap
 def test_without_a_name_the_studies_are_listed_and_cases_are_not(capsys) -> None:
     assert command.status("study") == 0
     told = capsys.readouterr().out.splitlines()
-    assert {"accuracy_cost", "load_sweep"} <= {line.split()[0] for line in told}
+    assert {"accuracy_cost", "hard_cases"} <= {line.split()[0] for line in told}
     assert command.status("list") == 0
     listed = capsys.readouterr().out
-    assert "load_sweep" not in listed and "accuracy_cost" not in listed
+    assert "hard_cases" not in listed and "accuracy_cost" not in listed
     assert all(name in listed for name in catalogue.shipped())
 
 
@@ -67,6 +66,6 @@ def test_without_a_checkout_the_command_says_in_one_line_that_it_needs_one(
     here, monkeypatch, capsys
 ) -> None:
     monkeypatch.setattr(study, "ROOT", here)
-    for arguments in (["study"], ["study", "load_sweep"]):
+    for arguments in (["study"], ["study", "hard_cases"]):
         assert "studies need a checkout" in command.refused(capsys, *arguments)
     assert os.listdir(here) == []
