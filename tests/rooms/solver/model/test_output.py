@@ -23,14 +23,15 @@ def columns(*law: object) -> tuple[rs.Solution, rs.Hub, rs.Contact]:
 
 
 def test_plastic_strain_and_back_stress_of_a_column() -> None:
-    """Uniaxial: (stress - yield stress)/C along the axis, minus half of it across, and Prager's
-    back stress, 2/3 C times that strain."""
-    found, hub, pair = columns(0.0, [(HARDENING, 0.0)])
-    along = -(7.0 - YIELD) / HARDENING * np.diag([-0.5, 1.0, -0.5])
+    """Uniaxial, by Armstrong and Frederick: stress - yield stress = C/g (1 - exp(-g p)) with the
+    strain p along the axis, minus half of it across, and a back stress of 2/3 of that."""
+    found, hub, pair = columns(0.0, [(HARDENING, 10.0)])
+    way = -np.diag([-0.5, 1.0, -0.5])
+    along = -np.log(1 - (7.0 - YIELD) * 10.0 / HARDENING) / 10.0 * way
     strain = found.plastic_strain.x.array.reshape(-1, 3, 3)
     np.testing.assert_allclose(strain, np.tile(along, (len(strain), 1, 1)), atol=1e-6)
     back = found.back_stress.x.array.reshape(-1, 3, 3)
-    np.testing.assert_allclose(back, 2 / 3 * HARDENING * strain, atol=1e-9)
+    np.testing.assert_allclose(back, np.tile(4 / 3 * way, (len(back), 1, 1)), atol=1e-6)
     np.testing.assert_allclose(found.force(pair), [0.0, 7.0 * np.pi], atol=1e-6)
 
 

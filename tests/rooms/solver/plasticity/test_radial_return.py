@@ -158,3 +158,28 @@ def test_a_steep_segment_between_flat_ones_is_met() -> None:
     radius = ROOT * curve.stress_and_slope(after.equivalent)[0]
     assert size[loss.points] == pytest.approx(radius[loss.points], rel=1e-10)
     assert np.any((after.equivalent > 0.002) & (after.equivalent < 0.0021))
+
+
+def test_constant_tension_and_torsion_to_and_fro_is_the_closed_form() -> None:
+    """de/dp = (s - X)/sy and dX/dp = C (s - X)/sy - g X, which have no step of their own: the
+    axial strain over the accumulated strain after 4 cycles of shear +-0.02. Strains xx, yy, zz
+    follow from stresses s, 0, 0 by Newton's method with the consistent tangent."""
+    s, sy, c, g, lam = 100.0, 400.0, 4e4, 100.0, 1.5 * MU
+    law = Hardening.linear(sy).cyclic([(c, g)])
+    elastic = 2 * MU * np.eye(4) + lam * np.outer([1, 1, 1, 0], [1, 1, 1, 0])
+    ends = np.concatenate([[0.0], np.tile([0.02, -0.02], 4)])
+    cycles = [np.linspace(a, b, 61)[1:] for a, b in zip(ends, ends[1:], strict=False)]
+    strain, now = np.zeros((1, 4)), History.virgin(1, 4)
+    for strain[0, 3] in np.concatenate([[0.0], *cycles]) / np.sqrt(2):
+        for _ in range(30):
+            after, loss = radial_return(strain, np.full(1, MU), now, law)
+            wrong = [s, 0.0, 0.0] - (strain @ elastic - 2 * MU * after.plastic)[0, :3]
+            if np.abs(wrong).max() < 1e-6:
+                break
+            tangent = elastic - loss.matrix.sum(axis=0)
+            strain[0, :3] += np.linalg.solve(tangent[:3, :3], wrong)
+        assert np.abs(wrong).max() < 1e-6
+        now = after
+    p, rate, limit = now.equivalent[0], (c + g * sy) / sy, c * s / (c + g * sy)
+    exact = (s - limit) / sy * p + limit / sy * (1 - np.exp(-rate * p)) / rate
+    assert now.plastic[0, 0] == pytest.approx(exact, rel=2e-3)
