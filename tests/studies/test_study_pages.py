@@ -4,55 +4,13 @@ import numpy as np
 import pytest
 
 from studies.accuracy import calibrate, error_bounds
-from studies.cost import accuracy_cost
-from studies.cost import ranks as ranks_study
-from studies.tables import front, wrapped
-
-
-def run(method: str, element: str, n: float, seconds: float, error: float, **changes: object):
-    row = {
-        "case": "made_up",
-        "method": method,
-        "element": element,
-        "asked": None,
-        "elements_per_semi_axis": n,
-        "patch_size_mm": 4.0 / n,
-        "unknowns": 100,
-        "seconds": seconds,
-        "newton_iterations": 3,
-        "linear_iterations": 30,
-        "converged": True,
-        "failure": "",
-        "reached": None,
-        "error": error,
-        "error_all": error,
-        "error_a": error / 2,
-        "error_approach": error,
-        "error_tau_max": error,
-    }
-    return {**row, **changes}
+from studies.tables import front
 
 
 def test_pareto_front_keeps_what_no_other_beats() -> None:
     points = ((1, 9), (2, 5), (3, 6), (4, 1), (1, 8))
     rows = [{"seconds": seconds, "error": error} for seconds, error in points]
     assert front(rows) == [rows[4], rows[1], rows[3]]
-
-
-def test_factor_ten_rival_and_orders_are_read_from_the_runs() -> None:
-    rows = [
-        run("nitsche", "tetrahedron 2", 2, 1.0, 1e-1),
-        run("nitsche", "tetrahedron 2", 4, 3.0, 1e-2),
-        run("nitsche", "tetrahedron 2", 8, 9.0, 1e-3),
-        run("penalty", "hexahedron 1", 4, 2.0, 5e-2),
-        run("penalty", "hexahedron 1", 8, 20.0, 2e-2),
-    ]
-    text = accuracy_cost.page(rows, 1000)
-    assert "takes 3.0 times as long" in text and "none as quick" in text and "| 50.0 " in text
-    assert accuracy_cost.orders(rows)["made_up", "nitsche", "tetrahedron 2"] == pytest.approx(
-        3.32, abs=0.01
-    )
-    assert "Nothing: every run converged." in text
 
 
 def test_an_envelope_lies_above_all_errors_and_falls_as_they_do() -> None:
@@ -118,33 +76,3 @@ def test_verdict_on_estimates_counts_what_holds_and_what_is_missing() -> None:
     assert "| ellipse" in text and "| 50.0%" in text
     assert "Refused, and not judged: e (flux_rail)" in text
     assert "Gave nothing: profiles_3: not back after 600 s" in text
-
-
-def test_ranks_page_forecasts_what_is_shared_and_what_is_not() -> None:
-    """Amdahl: of 10 s two take 6, so that 8 are shared; what takes longer with two is not."""
-    one, two = (
-        {"unknowns": 1000, "ranks": ranks, "newton_iterations": 3, "linear_iterations": 20}
-        | {"whole": whole}
-        | dict(zip(ranks_study.PARTS, parts, strict=True))
-        for ranks, whole, parts in (
-            (1, 15.0, (2.0, 3.0, 0.0, 10.0, 0.0)),
-            (2, 12.0, (3.0, 3.0, 0.0, 6.0, 0.0)),
-        )
-    )
-    parts = ranks_study.forecast(one, two, 8)
-    assert parts == {"start": 2.0, "mesh": 3.0, "assemble": 0.0, "solve": 3.0, "postprocess": 0.0}
-    text = ranks_study.page([one, two])
-    row = next(line for line in text.splitlines() if line.startswith("| 8 "))
-    cells = [cell.strip() for cell in row.strip("|").split("|")]
-    assert cells == ["8", "2.0", "3.0", "0.0", "3.0", "0.0", "8.0", "1.9"]
-
-
-def test_prose_is_broken_and_stays_what_it_was() -> None:
-    item = "- " + 30 * "a word - " + "1. end"
-    kept = f"# {50 * 'title '}\n\n| {50 * 'cell | '}\n\n```text\n{150 * 'x'}\n```\n"
-    page = f"{40 * 'prose '}\n{40 * 'more '}\n\n{item}\n{item}\n\nshort\nlines\n\n{kept}"
-    broken = wrapped(page)
-    assert broken.split() == page.split() and broken.endswith(kept)
-    prose = broken.removesuffix(kept).splitlines()
-    assert max(map(len, prose)) <= 120 and sum(line.startswith(("- ", "1.")) for line in prose) == 2
-    assert "short\nlines\n" in broken and wrapped(broken) == broken

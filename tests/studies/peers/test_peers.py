@@ -1,6 +1,5 @@
 """The study of other codes: meshes, accounting, reading, page; codes that are absent or made up."""
 
-import importlib.util
 import sys
 
 import numpy as np
@@ -9,7 +8,7 @@ from one_line import refusal
 
 from railhead.theory.elastic import hertz
 from studies import processes
-from studies.peers import block_meshes, peers_page, peers_study
+from studies.peers import peers_page
 
 CASE = {
     "load": 25e3,
@@ -19,18 +18,6 @@ CASE = {
     "young": 207e3,
     "poisson": 0.3,
 }
-CODE = """
-TITLE, METHOD, SETTINGS = "{title}", "finite elements", "As it is."
-PIP, DEBIAN, MODULES = (), ("python3-numpy",), ({modules})
-RUNS = {{"fine": {{"factor": 1.0}}, "never": {{"factor": None}}}}
-
-
-def solve(case, mesh, factor):
-    x, y = [0.0, 2.0, 0.0, 2.0, 1.0, 3.0], [0.0, 0.0, 2.0, 2.0, 1.0, 0.5]
-    p = [800 * (1 - (a / 4.3) ** 2 - (b / 3.4) ** 2) ** 0.5 for a, b in zip(x, y)]
-    return {{"unknowns": 7, "force": case["load"], "pressure_max": 800.0 * factor,
-            "x": x, "y": y, "pressure": p}}
-"""
 
 
 def exact(load: float = 25e3) -> hertz.Ellipse:
@@ -54,15 +41,6 @@ def found(**changes: object) -> dict:
     }
 
 
-def made_up(folder, title: str, modules: str = ""):
-    file = folder / f"{title}.py"
-    file.write_text(CODE.format(title=title, modules=modules))
-    spec = importlib.util.spec_from_file_location(title, file)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
 def test_errors_are_against_hertz_at_the_force_that_a_run_carries() -> None:
     read = peers_page.read(CASE, found(tau_max=1.02 * exact(24e3).axis_extrema(0.3).tau_max))
     for name in ("p_max", "p_fit", "a", "b", "area"):
@@ -79,26 +57,6 @@ def test_a_fit_has_the_axes_in_their_order_and_refuses_what_is_no_ellipse() -> N
     for flat in (np.ones_like(p), np.zeros_like(p), 1 + x):
         with pytest.raises(ValueError, match="no ellipse"):
             peers_page.fitted(x, y, flat)
-
-
-@pytest.mark.parametrize("cell", ["hexahedron", "tetrahedron"])
-def test_blocks_lie_on_their_arcs_and_show_their_faces(cell, tmp_path) -> None:
-    block_meshes.write(tmp_path / "mesh.npz", CASE, cell, 4.0)
-    mesh = dict(np.load(tmp_path / "mesh.npz"))
-    for body, sign in (("rail", 1), ("wheel", -1)):
-        points, corners = mesh[f"{body}_points"], mesh[f"{body}_corners"]
-        x, y, z = points[mesh[f"{body}_contact"]].T
-        centre = (np.hypot(y, z + 300) - 300) if body == "rail" else (np.hypot(x, z - 420) - 420)
-        assert np.abs(centre).max() < 1e-9 and z.min() >= -6 and z.max() <= 6
-        a, b, c = points[corners[:, :3]].transpose(1, 0, 2)
-        assert (np.sign(np.cross(b - a, c - a)[:, 2]) == sign).all()
-        for (owner, side), face in zip(mesh[f"{body}_sides"], corners, strict=True):
-            assert set(mesh[f"{body}_cells"][owner][block_meshes.FACES[cell][side]]) == set(face)
-        whole = points[mesh[f"{body}_cells"]]
-        edges = whole[:, [1, 3, 4] if cell == "hexahedron" else [1, 2, 3]] - whole[:, :1]
-        assert (np.linalg.det(edges) > 0).all()
-        assert (np.abs(points[mesh[f"{body}_x0"], 0]) < 1e-9).all()
-        assert np.abs(points[mesh[f"{body}_far"], 2]) == pytest.approx(60)
 
 
 def test_the_cost_is_of_the_process_and_what_it_waits_for(tmp_path) -> None:
@@ -126,20 +84,4 @@ def test_a_command_that_fails_says_why_and_has_no_cost(command, said: str, tmp_p
     processes.run([sys.executable, "-c", ""], tmp_path)
     assert said in refusal(
         lambda: processes.run(command, tmp_path, limit=2.0), processes.FailedError
-    )
-
-
-def test_a_code_is_run_and_one_that_raises_is_a_row_without_numbers(tmp_path) -> None:
-    code = made_up(tmp_path, "there")
-    good, bad = (
-        peers_study.solve(code, name, run, CASE, {}, tmp_path) for name, run in code.RUNS.items()
-    )
-    assert (good["error_p_max"], good["error_a"]) == pytest.approx(
-        (800 / exact().p0 - 1, 4.3 / exact().a - 1)
-    )
-    assert (good["setting"], good["failure"], good["unknowns"]) == ("fine", "", 7)
-    assert bad["failure"].startswith("TypeError") and bad["error_p_max"] is None
-    assert "No module named 'absent' (apt-get install" in refusal(
-        lambda: peers_study.version(made_up(tmp_path, "absent", "'absent',"), tmp_path),
-        processes.FailedError,
     )

@@ -4,8 +4,6 @@ import math
 from dataclasses import replace
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from railhead.scene import catalogue
 from railhead.theory.elastic.hertz import point_contact
@@ -18,10 +16,6 @@ from studies.thesis.claims import (
     equation,
     itself,
     number,
-)
-from studies.thesis.facts import (
-    hertz_coefficients,
-    thesis_contact,
 )
 
 
@@ -131,29 +125,3 @@ def test_touches_on_the_real_profiles(facts) -> None:
 
 
 # Formulas as printed, and turns.
-
-
-def test_printed_semi_axes_and_pressure(reference) -> None:
-    chain = reference["thesis_chain"]
-    k3, k4, k_wheel_and_rail = 0.00286, 4.76e-4, 2.8e-6  # as the thesis rounds them
-    found = thesis_contact((k3 - k4, 0), (0, k3 + k4), 1 / (math.pi * k_wheel_and_rail), 25000)
-    assert found.p0 == pytest.approx(3 * 25000 / (2 * math.pi * found.a * found.b), rel=1e-14)
-    assert round(found.a, 2) == chain["a_printed"]
-    assert math.floor(100 * found.b) / 100 == chain["b_printed"]  # the thesis truncated it
-    m, n = (round(value, 3) for value in hertz_coefficients(80.4))  # the thesis rounds these, too
-    base = chain["base_length_mm"]
-    assert (m * base, n * base) == pytest.approx(
-        (chain["a_mm_unrounded"], chain["b_mm_unrounded"]), rel=1e-14
-    )
-
-
-angles = st.floats(-1.2, 1.2)
-moderate = st.floats(0.02, 0.7)
-
-
-@given(moderate, moderate, st.floats(100, 2000))
-def test_equation_4_31_has_a_numerator_of_zero_for_every_geometry(yaw, bank, half_axle) -> None:
-    found = geometry.reduced_equations(yaw, bank, half_axle)
-    scale = half_axle * abs(found.a2 * found.b2)
-    assert abs(found.numerator) <= 1e-14 * scale + 1e-300
-    assert found.s1w == pytest.approx(half_axle, rel=1e-9)

@@ -145,17 +145,6 @@ def test_yield_takes_shear_stress_at_the_surface() -> None:
     assert middle.sum() > 5 and lost[middle] == pytest.approx(expected, rel=0.01)
 
 
-@pytest.mark.slow
-def test_a_patch_that_rolls_is_kalker_s() -> None:
-    """Against boundary elements; on six elements a semi-axis, as by default."""
-    motion = {"creepage_across": 1e-3, "spin": 1e-4}
-    found = passed(ellipse(rolling=motion, mesh={"patch_size": None}))
-    second = found.as_dict()["half_space_friction"]["boundary elements"]
-    answer = friction(found)
-    for name in ("force_along_N", "force_across_N"):
-        assert abs(answer[name] - second[name]) < 0.003 * answer["limit_N"]
-
-
 def test_nothing_pushes_a_sphere_aside_that_is_pressed() -> None:
     """A meridian section has no motion along: tractions vanish on the axis and point inwards."""
     found = passed(rh.find("sphere_on_plane").replace(friction={"coefficient": MU}))

@@ -297,33 +297,6 @@ def test_each_of_two_heads_rubs_with_its_own_creepages_and_coefficient(
     assert result["heads"]["wing"]["friction"]["share"] == pytest.approx(sizes[1] / sum(sizes))
 
 
-@pytest.mark.slow
-def test_two_equal_heads_rub_as_one_does_under_half_of_the_load(tmp_path: Path) -> None:
-    """A cylinder in the middle between them; each with its own coefficient."""
-    heads = []
-    for middle in (-30.0, 0.0, 30.0):
-        table = drawn.write(
-            tmp_path / f"{middle:g}",
-            [-100, 0, 100],
-            lambda x, middle=middle: drawn.moved(drawn.arcs(0.0), middle),
-        )
-        heads.append(table)
-    left, alone, right = heads
-    rolling = {"creepage_along": 0.0008, "spin": 0.0001}
-    rubs = {"friction": {"coefficient": 0.3}, "rolling": rolling, "quantities": "forces"}
-    both = scene(0.0, left, right, profile="cylinder").replace(effects=OFF, **rubs)
-    both = both.replace(wing={"friction_coefficient": 0.15})
-    found = rh.solve(both, quiet=True).summary["result"]["heads"]
-    for name, mu, y in (("rail", 0.3, -30.0), ("wing", 0.15, 30.0)):
-        one = scene(0.0, alone, profile="cylinder").replace(load=40000.0, effects=OFF, **rubs)
-        moves = {"creepage_along": 0.0008 + (0.0001 * 30 if y > 0 else 0) * -2}
-        one = one.replace(friction={"coefficient": mu}, rolling=moves)
-        head = rh.solve(one, quiet=True).summary["result"]["heads"]["rail"]
-        for key in FORCES:
-            truth = head["friction"][key]
-            assert found[name]["friction"][key] == pytest.approx(truth, abs=30.0), (name, key)
-
-
 def test_sections_of_a_standard_rail_answer_as_it_does_on_the_gauge_corner(tmp_path: Path) -> None:
     """S1002 on 60E1, conformal between R 80 and R 13, where half-spaces in a plane are 5 % off;
     the sections' wheel hangs where the wheelset puts it. Rolling, too."""

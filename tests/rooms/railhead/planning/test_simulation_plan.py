@@ -264,27 +264,3 @@ def test_what_is_off_is_not_meshed_and_holds_no_unknowns() -> None:
     assert (unknowns["deformable_wheel"], unknowns["deformable_rail"]) == pytest.approx(
         (unknowns["nothing"] / 2, unknowns["nothing"] / 2), rel=0.02
     )
-
-
-@pytest.mark.slow
-def test_a_metre_of_rail_costs_little_more_than_its_head_as_predicted() -> None:
-    unknowns = {}
-    for on in ("off", "on"):
-        choice = ["effects.plasticity=off", f"effects.rail_section={on}"]
-        plan = planned("uic54_22t5_axle", *choice)
-        made = mesh_solution.generate(plan, plan.grading, MPI.COMM_WORLD)
-        unknowns[on] = mesh_solution.assemble(plan, made).unknowns
-        assert plan.unknowns == pytest.approx(unknowns[on], rel=0.1) and made.quality > 0.15
-    assert unknowns["on"] < 1.45 * unknowns["off"]
-
-
-@pytest.mark.slow
-def test_a_stiff_body_left_out_changes_the_answer_by_its_share() -> None:
-    scene = catalogue.find("hertz_ellipse").replace(["wheel.young_modulus=4.14e8", "load=1e4"])
-    results = [
-        pipeline.run(scene.replace(["mesh.patch_size=0.8", *choice])).summary["result"]
-        for choice in ([], ["effects.deformable_wheel=on"])
-    ]
-    assert (results[0]["pressure"]["max_MPa"], results[0]["approach_mm"]) == pytest.approx(
-        (results[1]["pressure"]["max_MPa"], results[1]["approach_mm"]), rel=0.002
-    )

@@ -1,12 +1,12 @@
 """What an answer says beside its numbers: side forces of steep contacts, hollow and fresh flats."""
 
-import io
 import math
 
 import numpy as np
 import pytest
-from rich.console import Console
 from solved import solved
+
+from railhead.results.report import terminal
 
 FAST = ["effects.finite_bodies=off", "effects.plasticity=off"]
 FLAT = [
@@ -17,9 +17,7 @@ FLAT = [
 
 
 def printed(result) -> str:
-    out = io.StringIO()
-    result.show(Console(file=out, width=400))
-    return out.getvalue()
+    return " ".join(terminal.recorded(result.show).export_text().split())
 
 
 def test_a_flange_that_carries_the_load_needs_a_side_force_in_equilibrium_with_it() -> None:
@@ -64,7 +62,7 @@ def test_an_answer_beside_a_jump_of_contact_has_what_both_sides_have(
     shift: float, told: bool
 ) -> None:
     """`locate` has the jump of S1002 on 60E1 at 4.992 mm, to the flange root."""
-    text = " ".join(printed(solved("s1002_60e1", f"wheelset.shift={shift}", *FAST)).split())
+    text = printed(solved("s1002_60e1", f"wheelset.shift={shift}", *FAST))
     assert ("jumps at a shift of 4.9918 mm, 0.0082 mm away" in text) is told
     if told:
         for at in (4.9, 5.1):

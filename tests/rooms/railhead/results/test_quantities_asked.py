@@ -1,11 +1,11 @@
 """What is not asked for is not computed, is absent, and is named."""
 
-import csv
 import json
 
 import command
 import numpy as np
 import pytest
+from csv_rows import rows
 
 import railhead as rh
 from railhead.half_spaces import shearing
@@ -140,10 +140,7 @@ def test_a_sweep_computes_what_is_asked(tmp_path, monkeypatch) -> None:
     asked = ["--over", "load=20kN,30kN", "--only", "forces"]
     asked += ["--set", "rolling.speed=20", "--quiet", "--out", str(out)]
     assert command.status("sweep", "hertz_ellipse", "--fast", *keys, *asked) == 0
-    with open(out / "sweep.csv", encoding="utf-8-sig") as file:
-        rows = list(csv.DictReader(file))
-    (force,) = (name for name in rows[0] if name.startswith("force along ["))
-    assert len(rows) == 2 and all(float(row[force]) > 0 for row in rows)
+    assert all(float(row["force along [N]"]) > 0 for row in rows(out / "sweep.csv"))
     record = json.loads(next((out / "records").glob("*.json")).read_text())
     assert "stress" not in record["summary"]["result"] and not list(out.glob("*.png"))
 

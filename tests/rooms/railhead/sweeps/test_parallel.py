@@ -1,8 +1,6 @@
 """Scenes solved side by side: table, crashes, what is tried again."""
 
 import os
-from concurrent.futures import Future
-from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -11,7 +9,7 @@ from sweep_command import KEYS, refused, rows, sweep
 import railhead as rh
 from railhead.planning import simulation_plan as planning
 from railhead.run.progress import Progress
-from railhead.sweeps import parallel, runner, store, sweep_table, worker_pool
+from railhead.sweeps import parallel, runner, store, sweep_table
 from railhead.sweeps.grid import ParameterGrid, parse_values
 
 
@@ -62,32 +60,23 @@ def test_one_that_does_not_converge_leaves_the_others(
     assert "solver.max_newton = 1: NOT CONVERGED" in capsys.readouterr().err
 
 
-def test_a_crash_is_said_in_the_row_of_its_scene(tmp_path: Path, monkeypatch) -> None:
-    """The same command tries it again."""
+def test_a_job_that_is_lost_is_said_in_the_row_of_its_scene(
+    tmp_path: Path, monkeypatch, in_this_process
+) -> None:
+    """It leaves no record. The same command tries it again."""
     task = loads("sphere_on_plane", [100, 200, 300], tmp_path / "out")
     asked: list[int] = []
 
-    @contextmanager
-    def one_process(ranks: int, jobs: int):
-        def submit(work, *job) -> Future:
-            future: Future = Future()
-            if work is runner.plan_each:
-                future.set_result(worker_pool.attempt(work, *job))
-                return future
-            folder, number, over, *_ = job
-            asked.append(number)
-            if number != 1:
-                store.write(folder, number, sweep_table.record(*over, RuntimeError("of a test")))
-            lost = "the process crashed" if number == 1 else ""
-            future.set_result(worker_pool.Attempt(None, lost))
-            return future
+    def solve(folder: Path, number: int, over, _) -> None:
+        asked.append(number)
+        if number == 1:
+            raise OSError("lost")
+        store.write(folder, number, sweep_table.record(*over, RuntimeError("of a test")))
 
-        yield submit
-
-    monkeypatch.setattr(worker_pool, "submitting", one_process)
+    monkeypatch.setattr(parallel, "_solve", solve)
     found = parallel.run(task, pictures=True, quiet=True)
     assert asked == [0, 1, 2]
-    reasons = ("of a test", "the process crashed", "of a test")
+    reasons = ("of a test", "OSError: lost", "of a test")
     assert found is not None and found.failures == []
     assert checks(found) == [f"NOT SOLVED: {why}" for why in reasons]
     assert [row["load [N]"] for row in rows(task.folder)] == ["100.0", "200.0", "300.0"]

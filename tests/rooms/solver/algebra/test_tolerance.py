@@ -3,8 +3,6 @@
 import pytest
 from solved import solved
 
-import railhead as rh
-from railhead.planning import simulation_plan as planning
 from railhead.run.estimates import RESIDUAL_FACTOR
 from railhead.scene.quantities import numeric_values
 
@@ -29,18 +27,3 @@ def test_a_loose_tolerance_moves_no_quantity_beyond_its_estimate(scene: tuple[st
     exact = numeric_values(tight.summary["result"])
     for key, value in numeric_values(loose.summary["result"]).items():
         assert value == pytest.approx(exact[key], rel=RESIDUAL_FACTOR * residual), key
-
-
-def test_the_residual_is_a_part_of_the_estimate() -> None:
-    summary = solved("sphere_on_plane", "solver.tolerance=1e-3").summary
-    residual = summary["newton"]["history"][-1]["residual"]
-    part = summary["accuracy"]["parts"]["a_mm"]["algebraic"]
-    assert part == pytest.approx(RESIDUAL_FACTOR * residual)
-
-
-def test_the_plan_asks_for_a_fiftieth_of_the_smallest_envelope() -> None:
-    plan = planning.make(rh.find("hertz_ellipse"))
-    n = plan.forecast.minor / plan.patch_size
-    assert plan.newton_tolerance == min(plan.family.mesh(key, n) for key in plan.family.laws) / 50
-    keys = "rail.yield_stress=400", "effects.plasticity=on"
-    assert planning.make(rh.find("hertz_ellipse").replace(keys)).newton_tolerance == 1e-6

@@ -4,7 +4,6 @@ import itertools
 
 import numpy as np
 import pytest
-import ufl
 from boxes import LOWER, UPPER, two_boxes
 from dolfinx import fem
 from test_energy import neo_hookean
@@ -77,33 +76,6 @@ def test_a_rigid_surface_without_a_free_direction_has_a_force_vector() -> None:
     assert found.force(top)[1] < -0.1
     assert not left.touching and left.converged
     assert abs(again.force(top)[1]) < 1e-3
-
-
-@pytest.mark.slow
-def test_work_of_a_force_that_irons_is_that_of_friction() -> None:
-    """A layer of 0.4, pressed in by 0.04: where all slides, T times the way is mu p times the slip,
-    which the stretch of the surface makes longer than the way. So T/N is not mu."""
-    mesh, *tags = two_boxes("triangle", ((20, 4), (1, 1)), (((-1, -0.4), (1, 0)), ((5, 5), (6, 6))))
-    made, ball, mu = rs.Model(mesh, *tags, section="plane strain"), rs.Sphere((-0.2, 1), 1), 0.3
-    bulk = ufl.ln(ufl.det(ufl.Identity(2) + ufl.grad(made.u))) ** 2
-    own = rs.Energy(neo_hookean(made) + bulk)
-    made.add(rs.Body(LOWER, own), rs.Body(UPPER, rs.Elastic(1.0, 0.3)))
-    made.add(rs.Contact(11, ball, friction=mu), rs.Clamp(22))
-    floor, hub = made.add(rs.Clamp(21), rs.Hub(ball))
-    rest = made.solve()
-    found = made.solve({hub: rs.Move((0, -0.04))}, steps=2)
-    for way in (0.1, 0.2):
-        found = found.then({hub: rs.Move((way, -0.04))}, steps=1)
-        assert found.converged
-    pressed, (along, down) = found.weights * found.pressure, found.force(hub)
-    np.testing.assert_allclose(found.force(floor), (-along, -down), rtol=1e-8)
-    tangential = found.traction + found.pressure[:, None] * found.normals
-    np.testing.assert_allclose(np.linalg.norm(tangential, axis=1), mu * found.pressure, atol=1e-9)
-    before = dict(zip(rest.points[:, 0].round(9), rest.weights, strict=True))
-    first = [before.get(x, np.inf) for x in found.points[:, 0].round(9)]
-    work = mu * pressed @ (found.weights / first)
-    assert along == pytest.approx(work, rel=5e-3)
-    assert abs(along / down) > 1.02 * mu
 
 
 def test_facets_take_the_values_of_a_function() -> None:

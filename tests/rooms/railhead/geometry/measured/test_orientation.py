@@ -341,21 +341,6 @@ def test_broken_files_of_instruments_are_refused(text, name, line, words, tmp_pa
         read(tmp_path, text, name)
 
 
-HEADERS = {
-    "1994": "MINIPROF 101 148 1994 3 24\nwheel.prd\n 32.0 28.0 10.0  (Sd/Sh/qR)\n\n",
-    "2020": '#MINIWHEELPROF\nMINIPROF 2020\nStock.......:\n" 32.00 28.00 10.00\n(Sd/Sh/qR)\n',
-    "Windows": "[FileInfo]\nDate=18/09/2022\n\n[Profile1Info]\nXYPoints=15\n\n[Profile1Points]\n",
-    "none": "",
-}
-
-
-@pytest.mark.parametrize("header", HEADERS.values(), ids=HEADERS)
-def test_miniprof_headers_of_every_age_are_no_points(header: str, tmp_path) -> None:
-    rows = "".join(f"{y}\t{y / 7:.4f} 0 0\n" for y in range(15))
-    found = read(tmp_path, header + rows, "wheel.mpt")
-    assert found.points[:, 0].tolist() == list(range(15)) and found.unit == "mm"
-
-
 def test_miniprof_headers_order_the_columns(tmp_path) -> None:
     points = np.column_stack([np.linspace(-30.0, 30.0, 13), np.linspace(0.0, -5.0, 13)])
     rows = [f"{z:.4f} 7 {y:.4f}" for y, z in points]
