@@ -8,9 +8,9 @@ import numpy as np
 
 TITLE = "CalculiX"
 METHOD = "finite elements"
-SETTINGS = """`LINMORTAR` on C3D8 has a penalty of 1000 E per mm and SPOOLES. Symmetry conditions on
-the dependent nodes would stop ccx with a singular matrix, so springs of 1e8 N/mm hold them.
-Pressure: CPRESS at the node."""
+SETTINGS = """`LINMORTAR` on C3D8 has a penalty of 1000 E per mm, and SPOOLES solves. Symmetry
+conditions on the dependent nodes would stop ccx with a singular matrix, so springs of 1e8 N/mm hold
+them. The pressure is CPRESS at the node."""
 PIP = ()
 DEBIAN = ("calculix-ccx", "python3-numpy")
 MODULES = ()

@@ -4,9 +4,10 @@ import numpy as np
 
 TITLE = "GetFEM"
 METHOD = "finite elements"
-SETTINGS = """Quadratic curved tetrahedra. The brick of biased Nitsche's method with raytracing has
-the parameter E / size. MUMPS solves. Newton's method starts from the wheel moved down as one body,
-and ends at a residual of 2e-7. Pressure: -sigma_zz, the mean over the cells at a node."""
+SETTINGS = """The cells are quadratic curved tetrahedra. The brick of biased Nitsche's method with
+raytracing has the parameter E / size. MUMPS solves. Newton's method starts from the wheel moved
+down as one body, and ends at a residual of 2e-7. The pressure is -sigma_zz, the mean over the cells
+at a node."""
 PIP = ()
 DEBIAN = ("python3-getfem",)
 MODULES = ("getfem",)

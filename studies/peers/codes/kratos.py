@@ -7,9 +7,9 @@ import numpy as np
 
 TITLE = "Kratos"
 METHOD = "finite elements"
-SETTINGS = """Linear hexahedra and `ALMContactFrictionless`: dual mortar with condensed multipliers,
-AMG with ILU(0) and GMRES to 1e-8, contact residual to 1e-6. `move_mesh_flag` is on: without it most
-nodes never touch. Pressure: the augmented one at the node."""
+SETTINGS = """Linear hexahedra have `ALMContactFrictionless`, a dual mortar method with condensed
+multipliers. AMG with ILU(0) and GMRES solve to 1e-8, the contact to 1e-6. `move_mesh_flag` is on,
+because without it most nodes never touch. The pressure is the augmented one at the node."""
 PIP = (
     "KratosMultiphysics==10.4.4",
     "KratosStructuralMechanicsApplication==10.4.4",

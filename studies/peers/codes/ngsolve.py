@@ -4,10 +4,9 @@ import numpy as np
 
 TITLE = "NGSolve"
 METHOD = "finite elements"
-SETTINGS = """Curved tetrahedra of order 2 and 3 by its own mesher. `ContactBoundary` has the energy
-of a penalty of 5 E order^2 / size. Newton's method with sparse Cholesky starts from the wheel moved
-down as one body. Pressure: -sigma_zz at points of the rail's surface. Meshing is part of its
-time."""
+SETTINGS = """Its own mesher makes curved tetrahedra of order 2 and 3. `ContactBoundary` has the
+energy of a penalty of 5 E order^2 / size. Newton's method with sparse Cholesky starts from the
+wheel moved down as one body. The pressure is -sigma_zz at points of the rail's surface."""
 PIP = ("ngsolve==6.2.2608", "numpy", "scipy")
 DEBIAN = ()
 MODULES = ("ngsolve",)

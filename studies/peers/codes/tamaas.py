@@ -4,10 +4,9 @@ import numpy as np
 
 TITLE = "tamaas"
 METHOD = "boundary elements"
-SETTINGS = """Pressure cells on a square of 12 mm. The two bodies are one half-space with their
+SETTINGS = """The pressure has cells on a square of 12 mm. Both bodies are one half-space with their
 contact modulus. Polonsky and Keer's conjugate gradients go to 1e-10, with the non-periodic kernel
-(`dcfft`). There are no bodies, no stresses inside, and no shapes but a gap: it is another kind of
-method."""
+(`dcfft`)."""
 PIP = ("tamaas==2.9.0", "numpy", "scipy")
 DEBIAN = ()
 MODULES = ("tamaas",)
