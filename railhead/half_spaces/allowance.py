@@ -114,8 +114,9 @@ class _Body:
         return np.asarray(self.weight * (edges + below))
 
     def aside(self, lean: Array) -> Array:
-        """Influence matrix (n, n), 1/mm, as of `influence`, of the movement aside: unit normal
-        forces have the side parts lean (n,), and as much of the way is along the normals.
+        """Influence matrix (n, n), 1/mm, as of `influence`, of the movement aside: lean (n,) is the
+        part across the track of a unit force along each normal, and also the part of a way aside
+        that is along it.
         """
         unit = self.weight * self.give * math.pi / (1 - self.poisson**2)
         return np.asarray(unit * np.outer(lean, lean))

@@ -113,7 +113,7 @@ class RollingContact:
 
 
 class Below:
-    """A block below a patch: what the patch is for its surface and its points.
+    """A block below a patch: what pressure and tractions of the patch do to its surface and points.
 
     rolling: the block, whose origin is the middle of the patch.
     number: of the patch in `RollingContact.patches`.

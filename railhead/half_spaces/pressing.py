@@ -89,7 +89,7 @@ class HalfSpacePair:
 
     @property
     def one_radius(self) -> bool:
-        """Whether each body has one radius across 1.1 (MARGIN) times Hertz's patch; also between
+        """Whether each body has one radius across 1.1 (MARGIN) times Hertz's patch; True between
         half-spaces and in sections.
         """
         touch, reach = self.contact.touch, MARGIN * self.hertz.b
@@ -192,9 +192,10 @@ class HalfSpacePair:
         lines: Lines | None = None,
         start: BoundaryElementSolution | None = None,
     ) -> BoundaryElementSolution:
-        """Solve as `pressed`, anew.
+        """Boundary elements as of `pressed`, solved anew.
         known: the same on 64 cells (CELLS), from which finer grids start; None: it is solved first.
-        lines: compliance of the lines along x beside that of the half-spaces; None: zero.
+        lines: compliance of the lines along x, by wear, added to that of the half-spaces; None:
+            zero.
         start: a similar solution, in whose windows the patches are searched first; None: around the
             contact points.
         Where the solution leaves a point of the wheel's contact locus inside the rail, a patch was

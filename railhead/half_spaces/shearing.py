@@ -110,7 +110,9 @@ class Sheared:
 
     @property
     def stressed(self) -> list[tuple[PatchSolution, Array]]:
-        """Pressure with cells that the edge cuts, and tractions (2, nx, ns), MPa, of each patch."""
+        """Pressure, also in cells that the edge of the patch cuts, and tractions (2, nx, ns), MPa,
+        of each patch.
+        """
         pairs = zip(self.patches, self.found, strict=True)
         return [
             (replace(each.pressed, pressure=solved.pressure), solved.traction)
@@ -119,8 +121,8 @@ class Sheared:
 
     @property
     def pressure(self) -> BoundaryElementSolution:
-        """The pressure beside the tractions, and that of the coarser grid; its gap is not known
-        (NaN).
+        """The pressure that acts together with the tractions, and that of the coarser grid; their
+        gaps are not known (NaN).
         """
         windows = tuple(replace(each, gap=math.nan * each.gap) for each, _ in self.stressed)
         coarse = None if self.coarse is None else self.coarse.pressure

@@ -43,7 +43,8 @@ there, (n,) or (n, m), mm."""
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Section:
-    """A body on the rail's side: its section in a plane, moved along the normal of that plane.
+    """The rail, or a head of a crossing: its section in a plane, swept along the normal of that
+    plane.
 
     touch: first contact.
     origin, axes: a point (3,) of the plane, mm, and unit vectors (3, 3), a row each: ahead, across
@@ -112,7 +113,7 @@ class Developed:
 
     @cached_property
     def _share(self) -> float:
-        """Share of the gap that the wheel's displacement closes, of the compliance."""
+        """Share of the gap that the wheel's displacement closes: its share of the compliance."""
         scene = self.contact.scene
         modulus = closed_forms.contact_modulus(scene)
         return modulus / closed_forms.plane_strain_modulus(scene, WHEEL)
@@ -156,7 +157,7 @@ class Developed:
         return np.array([each.touch.lean for each in self.sections])[self._of(s)]
 
     def upright(self, s: Array) -> Array:
-        """Part (n,) of the surface's normal at s (n,), mm, that points up."""
+        """Cosine (n,) of the angle of the surface's normal to the vertical at s (n,), mm."""
         return np.asarray(np.cos(self.angle(s)) * np.cos(self.lean(s)))
 
     def friction_coefficient(self, s: Array) -> Array:
@@ -192,9 +193,9 @@ class Developed:
         return out
 
     def slip(self, x: Array, s: Array) -> Array:
-        """Modes of rigid slip (4, 2, nx, ns) on one section, along the tangent ahead and along the
-        section of the pressed surfaces, at x (nx,), s (ns,) in mm (`RigidSlip`); 0 beyond it.
-        These lie between both bodies where the wheel is lowest.
+        """Modes of rigid slip (4, 2, nx, ns) on one section, along the tangent ahead and across, at
+        x (nx,), s (ns,) in mm (`RigidSlip`); 0 beyond it. Places and tangents are those of the
+        pressed surface, which lies between both bodies where the wheel is lowest.
         """
         section = self.at(float(s[0]))
         t, origin, axes = section.across(s, math.nan), section.origin, section.axes

@@ -1,11 +1,11 @@
 """One position of a wheelset on worn profiles: pressure, tractions, and what they wear off.
 
-A position bears a share of all passages. It sees the depth that all positions wore before, and in a
-step its own wear by the pressure of the step's end (`theory.wear`), of all lines together as much
-as T-gamma wears. What the others wear in the step is taken to grow with the position's own pressure
-on each line: alike positions then wear as one, and any step is stable. The largest pressure is an
-average across over 0.1 (MEAN) of the half width of its patch: at the edge of a groove what is
-narrower depends on the grid.
+A position has a share of all passages. Its profiles have the depth that all positions wore before.
+In a step its own wear follows from the pressure at the end of the step (`theory.wear`); all lines
+together lose as much as T-gamma wears. What the others wear in the step is taken to grow with the
+position's own pressure on each line: alike positions then wear as one, and any step is stable. The
+largest pressure is an average across over 0.1 (MEAN) of the half width of its patch: at the edge of
+a groove what is narrower depends on the grid.
 """
 
 import math

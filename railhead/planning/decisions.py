@@ -127,8 +127,9 @@ class Decisions(Sizing):
     def parabolic(self) -> bool:
         """Whether the pressure of bodies that stay elastic is Hertz's semi-ellipsoid: between half-
         spaces, and of solids whose gap is a parabola within 0.03 % (PARABOLA) and whose supports
-        and edges across are farther than 4 (FAR) half lengths. What their images, twice as far,
-        change there is a parabola, too, but for the fifth power of half that ratio.
+        and edges across are farther than 4 (FAR) half lengths. What images of supports and edges,
+        twice as far away, change in the patch is a parabola, too, up to the fifth power of
+        half of 1/FAR.
         """
         contact = self.contact
         if not contact.curved_solid or self.context.half_spaces.gap_deviation > PARABOLA:
@@ -204,8 +205,8 @@ class Decisions(Sizing):
 
     @property
     def error_without_meshes(self) -> float:
-        """Largest relative error of what an accuracy counts that no mesh makes smaller: by load
-        steps and by effects that are left out.
+        """Largest relative error that no finer mesh reduces, of the numbers that an accuracy
+        counts: by load steps and by effects that are left out.
         """
         return self.omission_error + max(self.load_step_errors.values(), default=0)
 
@@ -226,8 +227,8 @@ class Decisions(Sizing):
 
     @cached_property
     def uncertainty(self) -> dict[str, Any] | None:
-        """What measured profiles may hide, as of `error_envelopes.of_profiles`; boundary elements
-        are solved at the first call.
+        """Relative error that measured profiles may hide, as of `error_envelopes.of_profiles`;
+        boundary elements are solved at the first call.
         """
         return error_envelopes.of_profiles(self.context)
 

@@ -69,8 +69,9 @@ NONE = ErrorEnvelope(0.0, 1.0)
 
 
 def widest(one: ErrorEnvelope, other: ErrorEnvelope, ends: Sequence[float]) -> ErrorEnvelope:
-    """Law without a floor above both between the ends of a range of n: the larger one, or where
-    they cross the power of n through the larger values at both ends (in logarithms all are lines).
+    """Law without a floor that lies above two laws between the ends of a range of n: the larger one
+    or, where they cross, the power of n through the larger values at both ends (in logarithms all
+    are lines).
     """
     first, last = (max(one, other, key=lambda law: law(n)) for n in ends)
     if first is last:
@@ -279,10 +280,10 @@ def of_profiles(context: Context) -> dict[str, Any] | None:
 
 def of_sections(context: Context, found: crossing.Crossing, *, measured: bool) -> float:
     """Relative error of sizes and values that the sections of a rail may hide: twice (SAFETY) the
-    largest change of Hertz's pressure or area on a head that may touch, or by what its height moves
-    the load between two, when every second section is left out, and when a measured wheel is
-    smoothed as in `around`.
-    Raises ValueError (SceneError is one) where the wheel then touches otherwise.
+    largest change when every second section is left out, and when a measured wheel is smoothed as
+    in `around`. It is the change of Hertz's pressure or area on a head that may touch, or what the
+    changed height of a head moves of the load between two. Raises ValueError (SceneError is one)
+    where the wheel then touches otherwise.
     """
     scene, sink = context.scene, context.hertz.approach
     others = [crossing.touch(scene, every=2)]

@@ -129,8 +129,8 @@ class Price:
             )
 
     def prices(self) -> list[dict[str, Any]] | None:
-        """Predicted cost of several accuracies, coarsest first; None where no family of error laws
-        fits the plan.
+        """Predicted cost of several accuracies, the least accurate first; None where no family of
+        error laws fits the plan.
         Keys of a row: accuracy, patch_size_mm, unknowns, seconds, memory_MB, and of the largest
             expected estimate widest (its quantity), mesh, reading, left_out, load_steps and profile
             (its parts); all but accuracy are None where it is out of reach. Seconds:

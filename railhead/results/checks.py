@@ -253,8 +253,8 @@ def equations(solved: MeshSolution) -> Iterator[Check]:
 
 
 def _narrower(plan: Plan, error: float, advice: str) -> str:
-    """The advice for a number that is too uncertain, by a relative error; where measured profiles
-    leave half of it open or more, what tells more of them.
+    """Advice for a number with a relative error that is too large: the given one, or how to measure
+    the profiles better where these make half of the error or more.
     """
     if not plan.profile_error or plan.profile_error < error / 2:
         return advice
@@ -310,9 +310,9 @@ def left_out(solved: Solved) -> Check:
 
 def resolution(solved: MeshSolution) -> Iterator[Check]:
     """Checks of a solution in which the bodies touch: elements across the patch (of a solid in the
-    direction that has fewer), noise of the pressure, and overlap of the bodies. Then the vertical
-    force that the elements' stresses carry in each body, smooth stresses against those of the
-    elements, and distance of the patch from edges.
+    direction that has fewer), noise and force of the pressure that is shown, and overlap of the
+    bodies. Then the vertical force that the elements' stresses carry in each body, smooth stresses
+    against those of the elements, and distance of the patch from edges.
     """
     from railhead.postprocess.stress.flux import contact_force
 
@@ -447,7 +447,9 @@ def physics(solved: Solved) -> Iterator[Check]:
 
 
 def half_spaces(solved: HalfSpaceSolution, bound: dict[str, float]) -> Iterator[Check]:
-    """All checks of a solution by half-spaces. bound: error estimates by key of summary.json."""
+    """All checks of a solution by half-spaces, passes excepted. bound: error estimates by key of
+    summary.json.
+    """
     yield left_out(solved)
     yield Check(
         name="converged",

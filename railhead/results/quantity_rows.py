@@ -51,9 +51,10 @@ def rows(summary: Mapping[str, Any], table: str) -> list[Row]:
 
     table: "contact": beside the answer stand estimates, half-spaces, exact Hertz and the solution
         without yield or friction; half-spaces only beside finite elements. Of several patches there
-        are neither Hertz, who has one, nor half lengths, which `patches` has. "load". "yield":
-        under the load and after it. "friction": forces of the wheel on the rail, motion and stick
-        share, beside other methods. "steel": effects of pressure and tractions on the steel.
+        are neither Hertz's numbers, which are of one patch, nor half lengths, which `patches` has.
+        "load". "yield": under the load and after it. "friction": forces of the wheel on the rail,
+        motion and stick share, beside other methods. "steel": effects of pressure and tractions on
+        the steel.
     """
     result = summary["result"]
     if result is None:

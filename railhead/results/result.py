@@ -146,8 +146,8 @@ class Result(terminal.Drawn):
     @property
     def estimate(self) -> SimpleNamespace:
         """Bounds of the relative errors of the solution, as attributes: a, b, area, pressure_max,
-        approach, tau_max, tau_max_depth, von_mises_max, and those of friction: force_along and
-        force_across (over mu N), creepages or shifts. None where there is no bound.
+        approach, tau_max, von_mises_max, and those of friction: force_along and force_across (over
+        mu N), creepages or shifts. None where there is no bound.
 
         source: where the bounds come from, or why there are none. What `friction.below_resolution`
             names has none either.

@@ -153,9 +153,10 @@ def reading_errors(found: Findings) -> dict[str, float]:
 def friction_errors(
     solved: Answered, found: FrictionSolution | None, area: float, pressure: float
 ) -> dict[str, tuple[float, float]]:
-    """Errors of the numbers of friction by key of summary.json, of forces over mu N, of the stick
-    share in itself, others relative: what the error of the patch changes, and that of the grids of
-    the tractions. Without numbers that are given or 0, and empty without grids.
+    """Two errors of each number of friction by key of summary.json: what the error of the patch
+    changes, and what the grids of the tractions leave. Those of forces are over mu N, that of the
+    stick share is absolute, others are relative. Numbers that are given or 0 have none; empty
+    without grids.
 
     solved: has findings. found: tractions; None: of all mu N. area, pressure: relative errors of
         the area and of the largest pressure. Between several patches forces may move.
@@ -262,10 +263,10 @@ def _of_rigid_bodies(solved: MeshSolution) -> set[str]:
 def of_strain(
     plan: Plan, found: FrictionSolution, findings: Findings, approach: float
 ) -> dict[str, float]:
-    """What an unknown creepage along (STRAIN) changes in solids of like materials that roll, by key
-    in its unit: the creepage itself where its force is given, else force, moment and T-gamma. The
-    force grows as of Vermeulen and Johnson, J. Appl. Mech. 31 (1964), from Kalker's linear theory
-    on. found, findings: tractions and patch. approach: mm.
+    """What a creepage along of second order (STRAIN), whose value is not known, changes in solids
+    of like materials that roll, by key in its unit: the creepage where its force is given, else
+    force, moment and T-gamma. The force grows as of Vermeulen and Johnson, J. Appl. Mech. 31
+    (1964), from Kalker's linear theory on. found, findings: tractions and patch. approach: mm.
     """
     scene = plan.scene
     creepage = STRAIN * approach / scene.wheel.rolling_radius

@@ -184,7 +184,7 @@ def _edge_distance(plan: Plan, pressed: BoundaryElementSolution) -> float:
 def _error_parts(solved: HalfSpaceSolution) -> Parts:
     """Error estimates of all quantities of a solution that have one. Exact Hertz between half-
     spaces has no error; the approach by boundary elements, and depths, have no estimate. A patch
-    that is nearly no ellipse has none of its half lengths.
+    that is no ellipse has none of its half lengths.
     """
     plan, pressed, found = solved.plan, solved.pressed, solved.findings
     assert found is not None

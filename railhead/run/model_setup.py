@@ -126,9 +126,9 @@ def _friction(plan: Plan) -> FrictionSettings:
 
 def friction_steps(plan: Plan) -> tuple[tuple[float, float], ...]:
     """Steps of (share of the load, share of the tangential forces). The patch of bodies of
-    different materials grows in steps if nothing rolls: after step k of n its length is
-    sin(pi k/2n) of the full one. What sticks in a step is what sticks in its middle, so the last
-    one is short. Then the force is applied, in equal steps where bodies yield.
+    different materials grows in steps if nothing rolls: after step k of n its length is sin(pi
+    k/2n) of the full one. The state of stick of a step is that of its middle, so the last step is
+    short. Then the force is applied, in equal steps where bodies yield.
     """
     scene, power = plan.scene, plan.contact.load_power
     grown: list[tuple[float, float]] = []

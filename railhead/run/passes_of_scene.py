@@ -130,7 +130,8 @@ def solve_passes(solved: Solved, progress: Progress) -> Passes:
 
 def estimated(found: Passes, coarse: Passes, *, asked: bool) -> Passes:
     """Passes with estimates from the same on a coarser block; asked: also of values other than the
-    rate. Richardson: errors fall with the size at least.
+    rate. By Richardson's extrapolation, as errors are taken to be proportional to the size of the
+    elements.
     """
     factor, last, other = COARSER / (1 - COARSER), found.rows[-1], coarse.rows[-1]
     if asked:

@@ -124,8 +124,8 @@ def unplanned_yield(solved: MeshSolution, comm: MPI.Intracomm) -> str:
 def _affordable(plan: Plan) -> float:
     """Finest resolution (elements per smaller semi-axis) at which the predicted seconds of the
     meshes of a plan are within 0.85 (BUDGET_SHARE) of the budget of the scene. Where none is, it is
-    the least one: 3, without laws 7.7. The largest one is that of the plan where the scene has an
-    accuracy, else the finest that the error laws cover, or 60 without laws.
+    the least of the error laws, or 7.7 without laws. The largest one is that of the plan where the
+    scene has an accuracy, else the finest that the error laws cover, or 60 without laws.
     """
     known, budget = plan.family, BUDGET_SHARE * float(plan.scene.budget or 0.0)
     limit = plan.resolution

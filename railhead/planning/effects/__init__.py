@@ -23,10 +23,10 @@ class EffectRules:
     check: function of context, decision and findings that evaluates the indicator of the effect on
         the solution; gives None where it does not apply.
     numerical_only: the exact answer is the same with and without the effect.
-    absent_in_half_spaces: the half-spaces that a result of finite bodies is compared with lack the
-        effect, so the comparison holds also where a person overruled it.
-    of_bodies: only meshed bodies have the effect. Where half-spaces answer it is off; what it would
-        change is a part of their error estimate.
+    absent_in_half_spaces: half-spaces beside finite bodies never have the effect, so both are
+        compared also where a person switched it against the plan.
+    of_bodies: only meshed bodies have the effect. Where half-spaces answer it is off, and their
+        error estimate has what it would change.
     in_half_spaces: half-spaces always have the effect; where they answer it cannot be off.
     """
 

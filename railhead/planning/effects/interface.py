@@ -106,7 +106,7 @@ def _beyond_the_section(context: Context) -> Iterator[tuple[object, str, str]]:
 
 def _beyond_half_spaces(context: Context) -> str:
     """Reason why half-spaces cannot answer the friction of a scene where finite bodies are off;
-    empty where they can: bodies that roll, and solid half-spaces of one material under a force.
+    empty where they can: bodies that roll, and solid half-spaces of like materials under a force.
     """
     scene = context.scene
     if context.decided["finite_bodies"].on or scene.rolling.prescribed:
@@ -137,9 +137,10 @@ def unlike(context: Context) -> bool:
 
 
 def beyond_grids(context: Context, *, layer: bool = False) -> str:
-    """Bodies whose tractions are found neither along lines in rolling direction nor on grids of
-    half-spaces, in words: these can have no heat, no law of friction but Coulomb's and no layer.
-    Empty of all others. layer: whether a layer is asked for, which sections do not have.
+    """Name of the kind of bodies of a scene that can have no heat, no law of friction but Coulomb's
+    and no layer, because their tractions are found neither along lines in rolling direction nor on
+    grids of half-spaces; empty for all others. layer: whether a layer is asked for, which sections
+    do not have.
     """
     decided = context.decided
     if decided["passes"].on:

@@ -38,10 +38,10 @@ def decide_deformable(body: str, context: Context) -> Effect:
     """Whether a body ('rail' or 'wheel') deforms: called for where its share s of the compliance
     1/E* = sum of (1 - nu^2)/E is a tenth (SHARE) of the accuracy or more, where its stresses are
     not those of a half-space under Hertz's pressure, and where it yields. An infinite modulus
-    refuses 'on'.
-    Without that share, approach, pressure and stresses are off by 2/3 s and the semi-axes by s/3
-    (Johnson, Contact Mechanics, 4.22 to 4.24). So they are with `Context.young_moduli`, where the
-    compliance is at least that of a modulus 1e5 (STIFFEST) times the other body's.
+    refuses 'on'. Without that share, approach, pressure and stresses are off by 2/3 s and the
+    semi-axes by s/3 (Johnson, Contact Mechanics, 4.22 to 4.24). A body whose modulus
+    `Context.young_moduli` limits to 1e5 (STIFFEST) times the other one adds such errors with s =
+    1e-5.
     """
     scene, part = context.scene, context.scene.bodies[body]
     if math.isinf(part.young_modulus):

@@ -36,9 +36,7 @@ def decide_passes(context: Context) -> Effect:
     """Passes are called for where something rolls and yield is called for, and simulated where
     rolling.passes is given.
 
-    SceneError: passes over a rail that does not deform or has no yield stress, in a section across
-    the rail, over a rail of sections, of patches that lie close together, and where the flow curve
-    of the rail has no steady answer.
+    SceneError: passes that `_refuse_what_has_no_passes` or `_refuse_unsteady` refuses.
     """
     scene = context.scene
     yields, count = context.decided["plasticity"].called_for, scene.rolling.passes
@@ -77,9 +75,9 @@ def _refuse_unsteady(context: Context, body: Rail | Wheel, ratio: float) -> None
 
 def _refuse_what_has_no_passes(context: Context, given: str) -> None:
     """Raise SceneError for what passes cannot simulate: a rigid rail, one without yield stress, a
-    wheel that only its effect makes rigid, a force of [friction], patches whose regions of yield
-    overlap, a rail whose section changes along it, and a section across the way; given: the
-    beginning of the message.
+    wheel of finite modulus that its effect makes rigid, a force of [friction], patches whose
+    regions of yield overlap, a rail whose section changes along it, and a section in which nothing
+    rolls; given: the beginning of the message.
     """
     friction, wheel, elastic = (
         context.scene.friction,

@@ -1,8 +1,8 @@
 """Effects of the bodies' shape: what is modelled of them, and which simplification holds.
 
 A section or one side of a plane of symmetry; blocks cut out of half-spaces; bodies of finite size
-or half-spaces; the whole rail or its head. And what every model assumes of the shape, held against
-the solution: a patch away from the edges.
+or half-spaces; the whole rail or its head. And what every model assumes, compared with the
+solution: that the patch lies away from the edges.
 """
 
 import math
@@ -182,11 +182,11 @@ def _twists(context: Context, limit: float) -> tuple[float, str]:
 
 
 def decide_surface_shape(context: Context) -> Effect:
-    """Surfaces with what is added to them are called for where their height, in all places that
-    touch after Hertz's approach of the smooth bodies with it or without it, varies by more than
-    half (LEFT_OUT) of the accuracy times that approach. What a slope neglects, 1 - cos, is an error
-    where they are on.
-    Raises SceneError for a slope above 0.1 (STEEPEST) there.
+    """Heights that are added to the surfaces (flats, waves, maps) are called for where they vary by
+    more than half (LEFT_OUT) of the accuracy times Hertz's approach of the smooth bodies. Counted
+    are all places that touch after this approach, with the added heights or without them. Where
+    they are on, their error is 1 - cos of the largest slope. Raises SceneError for a slope above
+    0.1 (STEEPEST) there.
     """
     contact, hertz = context.contact, context.hertz
     pair, shape = contact.pair, contact.shape
@@ -231,9 +231,9 @@ def decide_surface_shape(context: Context) -> Effect:
 def check_surface_shape(
     context: Context, effect: Effect, found: Findings
 ) -> PostSolveVerdict | None:
-    """Notable verdict on surfaces that the patch does not meet. On a flat: that its middle is a
-    hollow, in which the undeformed bodies do not touch, where its curvature 2 pi^2 depth / length^2
-    exceeds that of the wheel; or that a fresh one has sharp edges. Else None.
+    """Notable verdict that the patch does not meet what is added to the surfaces. Of a flat: that
+    its middle is a hollow, in which the undeformed bodies do not touch, where its curvature 2 pi^2
+    depth / length^2 exceeds that of the wheel; or that a fresh one has sharp edges. Else None.
     """
     if effect.why == NOT_MET:
         return PostSolveVerdict(False, NOT_MET, notable=True)
@@ -280,9 +280,9 @@ def inside_the_bodies(context: Context, found: Findings) -> PostSolveVerdict | N
 def beside_a_jump(context: Context) -> PostSolveVerdict | None:
     """Notable verdict where the first contact jumps to another place within 0.1 mm (NEAR) of the
     shift: the shift of the jump, and the largest pressure and the first contact 0.1 mm to either
-    side of the scene's shift, by half-spaces. None elsewhere. A second place closes its gap at
-    about the difference of the slopes of both places times the shift; it is looked at where 1.5
-    (CLOSING) times as much closes it.
+    side of the scene's shift, by half-spaces. None elsewhere. Per mm of shift the gap at a second
+    place closes by about the difference of the slopes of both places. A jump is looked for where
+    1.5 (CLOSING) times as much closes it.
     """
     contact, shift = context.contact, context.scene.wheelset.shift
     if contact.placed is None:
