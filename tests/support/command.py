@@ -1,5 +1,6 @@
 """The command `railhead`, run in this process or in one of its own."""
 
+import json
 import os
 import subprocess
 import sys
@@ -23,6 +24,12 @@ def status(*arguments: str) -> int:
     with pytest.raises(SystemExit) as ended:
         main(list(arguments))
     return int(ended.value.code or 0)
+
+
+def told(capsys: pytest.CaptureFixture[str], *arguments: str, ends: int = 0) -> dict:
+    """What a command with --json, which ends with that status, prints."""
+    assert status(*arguments, "--json") == ends
+    return json.loads(capsys.readouterr().out)
 
 
 def refused(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:

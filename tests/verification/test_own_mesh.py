@@ -248,8 +248,7 @@ def disc(n: int, degree: int, young: float = E, secondary: int = 12) -> tuple[fl
         rs.Slide(30, normal=(1, 0)), pair, section="plane strain", degree=degree,
     )  # fmt: skip
     top = model.add(rs.Hub(22, free=(0, -1)))
-    with warnings.catch_warnings(record=True) as told:
-        warnings.simplefilter("always")
+    with warnings.catch_warnings(record=True, action="always") as told:
         found = model.solve({top: rs.Force(load / 2)})
     largest = found.pressure.max() / (2 * load / (np.pi * a))
     return largest, found.force(pair)[1] / (load / 2), "\n".join(str(w.message) for w in told)

@@ -1,9 +1,7 @@
 """Surfaces that vary along the rail beside closed forms and boundary elements of other programs."""
 
 import math
-from pathlib import Path
 
-import numpy as np
 import pytest
 
 import railhead as rh
@@ -66,25 +64,3 @@ def test_small_patches_on_crests_and_in_troughs_are_hertzian() -> None:
         for key, part in (("max_MPa", "pressure"), ("area_mm2", "patch")):
             value = found.summary["result"][part][key]
             assert value == pytest.approx(hertz[part][key], rel=0.004)
-
-
-@pytest.mark.parametrize("position", [0.0, 11.0, 30.0])
-def test_a_map_of_waves_has_their_numbers(position: float, tmp_path: Path) -> None:
-    """Samples 2.5 mm apart, a 24th of a wave: within 0.5 %."""
-    x = np.arange(-90.0, 91.0, 2.5)
-    height = 0.05 * np.cos(2 * np.pi * x / 60.0)[:, None]
-    np.savez(tmp_path / "waves.npz", x=x, y=np.zeros(1), height=height)
-    found = [
-        rh.solve(BASE.replace(rail={"surface": {**given, "position": position}})).summary["result"]
-        for given in (
-            {"kind": "map", "file": str(tmp_path / "waves.npz")},
-            {"kind": "cosine", "length": 60.0, "amplitude": 0.05},
-        )
-    ]
-    mapped, waves = (
-        np.array([each["pressure"]["max_MPa"], each["patch"]["area_mm2"], each["approach_mm"]])
-        for each in found
-    )
-    np.testing.assert_allclose(mapped, waves, rtol=0.005)
-    places = [each["surface_shape"]["position_mm"] for each in found]
-    assert places[0] == pytest.approx(places[1], abs=0.005)

@@ -2,7 +2,6 @@
 
 import math
 
-import numpy as np
 import pytest
 from friction_cases import plane
 from solved import friction, solved
@@ -11,7 +10,6 @@ import railhead as rh
 from railhead.results import quantity_rows
 from railhead.results.report import terminal
 from railhead.sweeps import sweep_table
-from railhead.theory.elastic.subsurface import von_mises
 from railhead.theory.friction import sliding
 
 MU = 0.3
@@ -77,33 +75,6 @@ def test_the_hardest_place_is_that_of_a_sliding_strip(coefficient: float, where:
     assert where == "below" or not 0 < answer["von_mises_max_depth_mm"] < 1e-9 * width
     assert answer["traction_coefficient"] == pytest.approx(coefficient, rel=1e-3)
     assert answer["stick_share"] == 0 and "shear_yield_MPa" not in answer
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("coefficient, where", [(0.25, "below"), (0.35, "surface")])
-def test_the_hardest_place_of_an_ellipse_is_that_of_the_integrals(
-    coefficient: float, where: str
-) -> None:
-    """R 420 x 300 under 25 kN, all of it slipping: 1 %. At the surface up to 0.95 of the half
-    length: the grids of tractions do not reach the peak in the trailing edge itself.
-    """
-    found = solved(
-        rh.find("hertz_ellipse").replace(
-            friction={"coefficient": coefficient},
-            rolling={"creepage_along": 0.5},
-            mesh={"patch_size": 0.87},
-        )
-    )
-    answer, ellipse = friction(found), found.ellipse
-    below = sliding.peaks(ellipse, coefficient, 0.3)["below"]
-    exact, depth = below.von_mises, below.depth
-    if where == "surface":
-        along = np.outer(np.linspace(-0.95, 0.95, 77), [ellipse.a, 0, 0]) - [0, 0, 1e-9]
-        exact = von_mises(sliding.stress(ellipse, coefficient, 0.3, along)).max()
-        depth = 0.0
-    assert answer["von_mises_max_MPa"] == pytest.approx(exact, rel=0.01)
-    assert answer["von_mises_max_depth_mm"] == pytest.approx(depth, abs=0.03 * ellipse.b)
-    assert answer["von_mises_max_at"] == where
 
 
 @pytest.mark.parametrize(

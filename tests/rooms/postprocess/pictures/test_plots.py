@@ -3,9 +3,12 @@
 from dataclasses import replace
 
 import matplotlib
+import numpy as np
 import pytest
 from matplotlib.image import imread
+from solved import solved
 
+import railhead as rh
 from railhead.postprocess.findings import OnePatch
 from railhead.postprocess.pictures import diagrams
 
@@ -55,3 +58,19 @@ def test_a_cut_through_one_of_several_patches_says_so(blocks) -> None:
         assert sum("most loaded of 2 patches" in title for title in titles) == count
         panel = diagrams.depth(shown, case.ellipse, 0.3).axes[0]
         assert f"below the middle of the {place}, mm" in panel.get_ylabel()
+
+
+FLAT = ("hertz_ellipse", "friction.coefficient=0.3", "friction.force_along=1kN",
+        "mesh.patch_size=0.9", "effects.finite_bodies=off")  # fmt: skip
+
+
+@pytest.mark.parametrize("scene", [FLAT, ("long_roller", "mesh.patch_size=1.2")])
+def test_arrays_have_names_and_are_of_the_whole_patch(scene: tuple[str, ...], tmp_path) -> None:
+    solved(*scene).save(tmp_path / "out", pictures=False)
+    arrays, result = np.load(tmp_path / "out" / "pictures.npz"), rh.load(tmp_path / "out")
+    assert arrays["found.surface.pressure"].max() == pytest.approx(result.pressure.max, rel=0.02)
+    low, high = (getattr(arrays["found.surface.points"][:, 0], end)() for end in ("min", "max"))
+    assert low == pytest.approx(-high) and high > result.patch.a
+    assert ("friction.traction" in arrays) == (scene is FLAT)
+    with pytest.raises(ValueError, match="loaded"):
+        result.plot("pressure")

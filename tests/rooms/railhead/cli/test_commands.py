@@ -241,8 +241,7 @@ def test_two_results_are_compared(tmp_path, capsys) -> None:
     a, b = str(tmp_path / "a"), str(tmp_path / "b")
     light.save(a, pictures=False)
     heavy.save(b, pictures=False)
-    assert command.status("diff", a, b, "--json") == 0
-    found = json.loads(capsys.readouterr().out)
+    found = command.told(capsys, "diff", a, b)
     assert found["scene"]["load"] == [light.load, 2e5]
     area = {row["quantity"]: row for row in found["quantities"]}["patch area"]
     assert (area["A"], area["B"]) == (light.patch.area, heavy.patch.area)
@@ -270,8 +269,7 @@ def test_what_a_command_printed_is_printed_again_and_compared(kind, tmp_path, ca
     assert command.status(*KEPT[kind], "--out", out) == 0
     printed, _, _ = capsys.readouterr().out.partition("written to")
     assert command.status("show", out) == 0 and capsys.readouterr().out == printed
-    assert command.status("diff", out, out, "--json") == 0
-    numbers = json.loads(capsys.readouterr().out)["quantities"]
+    numbers = command.told(capsys, "diff", out, out)["quantities"]
     assert numbers and all(row["A"] == row["B"] for row in numbers)
     summary = tmp_path / "out" / "summary.json"
     summary.write_text(summary.read_text()[:-20])
@@ -286,8 +284,8 @@ def test_two_conicities_are_in_one_picture(tmp_path, capsys) -> None:
         assert command.status(*asked, "--out", out) == 0
     capsys.readouterr()
     picture = tmp_path / "both.png"
-    assert command.status("diff", a, b, "--picture", str(picture), "--json") == 0
-    found = {row["quantity"]: row for row in json.loads(capsys.readouterr().out)["quantities"]}
+    told = command.told(capsys, "diff", a, b, "--picture", str(picture))["quantities"]
+    found = {row["quantity"]: row for row in told}
     assert found["conicity at 3 mm"]["B"] == pytest.approx(0.025, rel=1e-6)
     assert found["conicity at 3 mm"]["A"] > 0.1 and picture.stat().st_size > 10_000
     assert command.status("profile", "examples/worn_60e1.csv", "--no-pictures", "--out", c) == 0

@@ -1,6 +1,5 @@
 """The page in a browser: Debian's chromium without a window, driven by selenium."""
 
-import json
 import shlex
 import shutil
 import signal
@@ -95,8 +94,8 @@ def test_after_ten_moves_the_number_is_that_of_the_command_for_the_last_one(
         shown.answered()
         words = shlex.split(shown.text("command"))
         assert words[:2] == ["railhead", "run"] and "wheelset.shift=2.9 mm" in words
-        assert command.status(*words[1:], "--json", "--no-pictures") == 0
-        found = json.loads(capsys.readouterr().out)["result"]["pressure"]["max_MPa"]
+        summary = command.told(capsys, *words[1:], "--no-pictures")
+        found = summary["result"]["pressure"]["max_MPa"]
         assert shown.text("max-pressure") == str(found) and shown.text("error") == ""
 
 
@@ -149,16 +148,6 @@ def test_a_run_ends_with_its_report_and_stop_or_closing_ends_it(browser, tmp_pat
             shown.script(end)
             WebDriverWait(browser, 60).until(lambda _: len(shown.children()) == idle)
         assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.slow
-def test_the_folder_of_a_result_opens_where_its_sliders_were(browser, tmp_path) -> None:
-    words = "run", "s1002_60e1", "--fast", "--set", "wheelset.shift=3 mm", "--no-pictures"
-    assert command.process(*words, "--out", "kept", cwd=tmp_path).returncode == 0
-    with showing(browser, tmp_path, "kept") as shown:
-        assert shown.script("return [at('shift').value, at('shift-text').value]") == ["3", "3 mm"]
-        kept = json.loads((tmp_path / "kept" / "summary.json").read_text())
-        assert shown.text("max-pressure") == str(kept["result"]["pressure"]["max_MPa"])
 
 
 @pytest.mark.slow

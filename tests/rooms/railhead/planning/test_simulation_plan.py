@@ -3,7 +3,7 @@
 import pytest
 from mpi4py import MPI
 from one_line import refusal
-from solved import planned
+from solved import planned, solved
 
 from railhead.meshing.bodies import RAIL, WHEEL
 from railhead.results import pipeline
@@ -264,3 +264,25 @@ def test_what_is_off_is_not_meshed_and_holds_no_unknowns() -> None:
     assert (unknowns["deformable_wheel"], unknowns["deformable_rail"]) == pytest.approx(
         (unknowns["nothing"] / 2, unknowns["nothing"] / 2), rel=0.02
     )
+
+
+# The load of first yield: plan and solution have one number for it.
+
+ELASTIC = ["effects.finite_bodies=off", "effects.plasticity=off"]
+
+
+def test_at_the_load_of_first_yield_of_two_patches_the_largest_stress_is_the_yield_stress() -> None:
+    """Beside a jump of contact, where stresses do not grow as the cube root of the load. The steel
+    of the wheel does not count, as R260 yields first."""
+    scene = catalogue.find("s1002_60e1").replace(["wheelset.shift=5", *ELASTIC])
+    over = planned(scene).context.overload
+    first = solved(scene.replace([f"load={scene.load / over}"]))
+    assert first.stress.von_mises_max == pytest.approx(scene.rail.first_yield, rel=5e-3)
+    whole = solved(scene).stress.von_mises_max / scene.rail.first_yield
+    assert abs(whole**3 / over - 1) > 0.05
+
+
+def test_where_the_patch_is_hertzs_the_load_of_first_yield_is_exact() -> None:
+    context = planned("uic54_22t5_axle", *ELASTIC).context
+    exact = context.hertz.axis_extrema(context.scene.rail.poisson_ratio).von_mises_max
+    assert context.overload == pytest.approx((exact / 472) ** 3)

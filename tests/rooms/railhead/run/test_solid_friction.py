@@ -76,22 +76,6 @@ def test_what_finite_bodies_add_is_what_tractions_do_to_them() -> None:
     assert measured == pytest.approx(predicted, rel=0.05)
 
 
-@pytest.mark.slow
-def test_pressed_bodies_strain_as_their_displacement_says() -> None:
-    """A rolling rail head and wheel segment, 4 % of the creepage: the slip of the pressed bodies
-    without traction, beside the slope along x of their displacement, by a straight line through the
-    cells of the patch."""
-    keys = ("rolling.creepage_along=0.05%", "effects.plasticity=off", "mesh.patch_size=1.2")
-    friction, _ = sampled("uic54_thesis", *keys)
-    (grid,) = friction.patches
-    inside = grid.pressed > 0
-    jump = grid.points.jumps(friction.pressed.displacement).T.reshape(2, *inside.shape)[0, inside]
-    x = np.broadcast_to(grid.x[:, None], inside.shape)[inside]
-    known = grid.smooth.values(friction._still[0, 0].reshape(-1, 2), grid.x, grid.y)
-    assert known[0, inside].mean() == pytest.approx(np.polyfit(x, jump, 1)[0], rel=0.1)
-    assert known[0, inside].mean() > 1.5e-5
-
-
 def test_t_gamma_is_the_energy_of_the_slip_of_bodies_that_pressing_strains() -> None:
     """A rail head and a wheel segment: traction times slip on three grids, extrapolated, beside
     T-gamma; force times creepage is a tenth less. The reading errs by a third of the strain."""

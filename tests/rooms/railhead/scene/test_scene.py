@@ -14,7 +14,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from one_line import refusal
-from pydantic import ValidationError
 
 import railhead as rh
 from railhead.scene import catalogue, units
@@ -91,10 +90,8 @@ def test_usual_units_are_those_of_pint(kind: units.QuantityKind, number: str) ->
         assert kind.convert(number, name) == by_pint.convert(number, name)
 
 
-def test_scene_is_frozen_hashable_and_picklable() -> None:
-    whole, key = scene(), "load"
-    with pytest.raises(ValidationError):
-        setattr(whole, key, 3.0)
+def test_a_scene_and_its_error_survive_a_pickle() -> None:
+    whole = scene()
     assert len({whole, scene()}) == 1 and pickle.loads(pickle.dumps(whole)) == whole
     error = pickle.loads(pickle.dumps(SceneError("load", "is wrong")))
     assert (str(error), error.key) == ("load: is wrong", "load")

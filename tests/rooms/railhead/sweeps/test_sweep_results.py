@@ -47,8 +47,7 @@ def test_a_folder_keeps_the_sweep(tmp_path, in_this_process, capsys) -> None:
     assert read.rows() == again.rows() and read[3].pressure == table[3].pressure
     for row, line in zip(read.rows(), rows(out), strict=True):
         assert {key: "" if value is None else str(value) for key, value in row.items()} == line
-    assert command.status("show", str(out), "--json") == 0
-    assert json.loads(capsys.readouterr().out)["rows"] == read.rows()
+    assert command.told(capsys, "show", str(out))["rows"] == read.rows()
     assert command.status("show", str(out)) == 0
     lines = capsys.readouterr().out.splitlines()
     assert max(map(len, lines)) <= 80 and "4 combinations, all passed" in lines

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from railhead.solver.algebra import newton
+from railhead.solver.algebra.mixing import Anderson
 from railhead.solver.material import Material
 from railhead.solver.space.contact_interface import ContactLaw, Interface
 from studies.hard.block_pairs import contact_model, press
@@ -123,3 +124,15 @@ def test_what_never_succeeds_ends_at_the_smallest_step() -> None:
     tried: list[float] = []
     assert not newton.in_steps([1.0, 2.0], 0.0, lambda share: bool(tried.append(share)))
     assert tried == [2.0**-k for k in range(7)]
+
+
+def test_a_linear_fixed_point_is_met_where_plain_iterations_diverge():
+    rng = np.random.default_rng(3)
+    matrix = rng.normal(0.0, 1.0, (5, 5))
+    shift = rng.normal(0.0, 1.0, 5)
+    fixed = np.linalg.solve(np.eye(5) - matrix, shift)
+    assert np.abs(np.linalg.eigvals(matrix)).max() > 1  # x <- g(x) diverges
+    mixing, x = Anderson(depth=10), np.zeros(5)
+    for _ in range(12):
+        x = mixing.next(x, matrix @ x + shift)
+    assert np.abs(x - fixed).max() < 1e-4 * np.abs(fixed).max()

@@ -308,8 +308,7 @@ def test_straight_facets_on_an_arc_are_warned_of_and_what_misses_is_told() -> No
         made.add(rs.Body(1, SOFT), rs.Body(2, SOFT), rs.Clamp(21))
         made.add(rs.Contact(*pair))
         hub = made.add(rs.Hub(22, free=(0, -1)))
-        with warnings.catch_warnings(record=True) as told:
-            warnings.simplefilter("always")
+        with warnings.catch_warnings(record=True, action="always") as told:
             found = made.solve({hub: rs.Force(1.0)})
         assert any("are straight on a curved surface" in str(w.message) for w in told) == (
             order == 1
@@ -346,8 +345,7 @@ def test_nearly_incompressible_bodies_are_told_to_lock() -> None:
         made = rs.Model(*boxes(), section="plane strain", mean_dilatation=mean)
         made.add(rs.Body(LOWER, SOFT), rs.Body(UPPER, rs.Elastic(1.0, 0.4999)), rs.Clamp(21))
         made.add(rs.Contact(12, 11))
-        with warnings.catch_warnings(record=True) as told:
-            warnings.simplefilter("always")
+        with warnings.catch_warnings(record=True, action="always") as told:
             made.solve()
         assert any("mean_dilatation=True" in str(w.message) for w in told) != mean
 

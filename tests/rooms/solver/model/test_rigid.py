@@ -97,23 +97,36 @@ def test_facets_take_the_values_of_a_function() -> None:
         assert found.converged and found.pressure.max() > 0.1 and again.pressure.max() < 1e-6
 
 
-def test_what_a_rigid_hub_cannot_have_is_refused() -> None:
-    ball = rs.Sphere((0, 1), 1)
-    with pytest.raises(ValueError, match="slides is for facets"):
-        rs.Hub(ball, free=(0, 1), slides=True)
-    made, hub = block(ball, 0.0, True)
-    made.add(rs.Hub(rs.Sphere((0, 1), 1)))
-    with pytest.raises(ValueError, match="is not the primary of a Contact"):
-        made.solve()
-    made, hub = block(ball, 0.0, True)
+BALL = rs.Sphere((0, 1), 1)
+
+
+def solved(*more: object) -> None:
+    """A block under a ball on a hub, with more parts."""
+    made = block(BALL, 0.0, True)[0]
+    made.add(*more)
+    made.solve()
+
+
+def moved_by_another_mesh(rigid: bool) -> None:
+    """The ball, or the facets below the block, by a Function of another mesh."""
+    made, hub = block(BALL, 0.0, rigid)
     elsewhere = compat.vector_space(two_boxes("triangle", ((1, 1), (1, 1)), FLAT)[0], 1)
-    for moved, text in ((True, "not the rigid surface"), (False, "on the model's mesh")):
-        made, hub = block(ball, 0.0, moved)
-        with pytest.raises(ValueError, match=text):
-            made.solve({hub: rs.Move(fem.Function(elsewhere))})
-    made = block(ball, 0.0, True)[0]
-    with pytest.raises(ValueError, match="is for solids"):
-        made.add(rs.Contact(11, rs.Cylinder((0, 1), 1, (0, 1))))
+    made.solve({hub: rs.Move(fem.Function(elsewhere))})
+
+
+@pytest.mark.parametrize(
+    ("make", "told"),
+    [
+        (lambda: rs.Hub(BALL, free=(0, 1), slides=True), "slides is for facets"),
+        (lambda: solved(rs.Hub(rs.Sphere((0, 1), 1))), "is not the primary of a Contact"),
+        (lambda: solved(rs.Contact(11, rs.Cylinder((0, 1), 1, (0, 1)))), "is for solids"),
+        (lambda: moved_by_another_mesh(True), "not the rigid surface"),
+        (lambda: moved_by_another_mesh(False), "on the model's mesh"),
+    ],
+)
+def test_what_a_rigid_hub_cannot_have_is_refused(make, told: str) -> None:
+    with pytest.raises(ValueError, match=told):
+        make()
 
 
 def test_a_force_that_lifts_a_rigid_surface_off_is_named() -> None:

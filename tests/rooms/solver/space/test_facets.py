@@ -6,6 +6,7 @@ import pytest
 from railhead.geometry.surfaces import ParabolicGap
 from railhead.meshing.bodies import CONTACT, RAIL, WHEEL
 from railhead.solver.space import contact_interface
+from railhead.solver.space.cells import inverse
 from railhead.solver.space.contact_interface import ContactLaw
 from railhead.solver.space.facets import FacetSet, pair
 from studies.hard.block_pairs import contact_model
@@ -85,3 +86,12 @@ def test_a_pull_and_a_wrong_start_are_refused(model) -> None:
             model.solve(load=1.0, active=active)
     with pytest.raises(ValueError, match="approach is unknown under load control"):
         model.solve(approach=0.01, active=every)
+
+
+@pytest.mark.parametrize("rows", [2, 3])
+def test_inverses_and_determinants_are_those_of_lapack(rows: int) -> None:
+    matrices = np.random.default_rng(3).normal(size=(50, rows, rows))
+    matrices[0] = np.diag([1e-3, 1.0, 50.0][:rows])  # of a stretched cell
+    inverses, determinants = inverse(matrices)
+    assert inverses == pytest.approx(np.linalg.inv(matrices), rel=1e-10)
+    assert determinants == pytest.approx(np.linalg.det(matrices), rel=1e-10)

@@ -1,6 +1,5 @@
 """`railhead steel`: bars of a steel by closed forms, constants of a test, and what is refused."""
 
-import json
 from pathlib import Path
 
 import command
@@ -92,8 +91,8 @@ def test_the_table_of_the_examples_gives_its_rule_back(here, capsys) -> None:
     path = str(EXAMPLES / "steel_loops.csv")
     for exponent, least, most in (("5", 0.0, 1.8), ("0", 15.0, 40.0)):
         keys = ("--backstresses", "3", "--recall-exponent", exponent, "--no-pictures")
-        assert command.status("steel", path, *keys, "--json", "--out", f"of_{exponent}") == 0
-        assert least < json.loads(capsys.readouterr().out)["misfit_MPa"] < most
+        found = command.told(capsys, "steel", path, *keys, "--out", f"of_{exponent}")
+        assert least < found["misfit_MPa"] < most
 
 
 def test_what_is_no_steel_is_refused_in_one_line(here) -> None:
@@ -121,8 +120,7 @@ def test_what_is_no_steel_is_refused_in_one_line(here) -> None:
 
 
 def test_the_command_writes_keys_tables_and_a_picture(here, capsys) -> None:
-    assert command.status("steel", "1070", "--mean", "50 MPa", "--cycles", "3", "--json") == 0
-    found = json.loads(capsys.readouterr().out)
+    found = command.told(capsys, "steel", "1070", "--mean", "50 MPa", "--cycles", "3")
     assert found["rule"] == "Jiang and Sehitoglu's rule, exponent 5"
     rates = found["ratchetting"]["strain_per_cycle"]
     assert len(rates) == 3 and rates[0] > rates[1] > rates[2] > 0

@@ -4,8 +4,6 @@ A heavy-haul rail and wheel: no standard is like them, and the wheel's tape circ
 its flange back. The truth is the drawing; the reading knows nothing of it.
 """
 
-import json
-
 import command
 import numpy as np
 import pytest
@@ -209,8 +207,7 @@ def test_heavy_haul_files_run_and_say_where_they_were_placed(tmp_path, monkeypat
         'load = "127.5 kN"\n[rail]\nprofile = "rail.prr"\ngauge = 1435.1\n'
         '[wheel]\nprofile = "wheel.whl"\nrolling_radius = 457\n[wheelset]\nback_to_back = 1347.4\n'
     )
-    assert command.status("locate", "haul.toml", "--json", "--no-pictures") == 0
-    right = json.loads(capsys.readouterr().out)["right"][0]
+    right = command.told(capsys, "locate", "haul.toml", "--no-pictures")["right"][0]
     face = rail()[(rail()[:, 0] < -30) & (rail()[:, 1] < -5)]
     crown = 1435.1 / 2 - np.interp(-14.0, face[::-1, 1][::-1], face[:, 0])
     assert right["rail_y_mm"] + crown == pytest.approx(
