@@ -26,13 +26,6 @@ import resource
 from mpi4py import MPI
 resource.setrlimit(resource.RLIMIT_FSIZE, (2_000, 2_000))
 from railhead.cli import main; main()"""
-FORM = """
-import ufl
-from dolfinx import mesh
-from mpi4py import MPI
-from railhead.solver import compat
-square = mesh.create_unit_square(MPI.COMM_SELF, 1, 1)
-compat.form(ufl.TestFunction(compat.vector_space(square, 1))[0] * ufl.dx, square)"""
 CASE = ["long_roller", "--no-pictures", "--quiet", "--out"]
 NAMES = result_folder.MANIFEST
 OLD = {"one": b"old", "two": b"old", NAMES: b"one\ntwo\n"}

@@ -271,27 +271,6 @@ def test_a_mesh_that_is_too_coarse_is_told(n: int, degree: int) -> None:
     assert (abs(largest - 1) > 0.1) == ("facets from its" in told) == (n == 3 and degree == 1)
 
 
-def test_bodies_that_do_not_touch_and_a_rigid_sphere() -> None:
-    """A sphere 3 mm away: a motion of 1 mm is an answer, without force; a load from there on meets
-    Hertz; without it the surfaces are where they just met."""
-    radius, a = 50.0, 1.0
-    load = 4 * STRAIN * a**3 / (3 * radius)
-    sphere = rs.Contact(secondary=11, primary=rs.Sphere((0, radius + 3), radius))
-    model = model_of(block(60.0, a, 8), BOTH[0], sphere, section="axisymmetric")
-    base = model.add(rs.Hub(21, free=(0, 1)))
-    apart = model.solve({base: rs.Move((0, 1.0))})
-    assert apart.converged and not apart.touching and abs(apart.force(base)) < 1e-6
-    assert apart.motion(base) == 1.0
-    found = apart.then({base: rs.Force(load)})
-    assert found.converged and found.touching
-    assert found.pressure.max() == pytest.approx(3 * load / (2 * np.pi * a**2), rel=0.01)
-    again = found.then({base: rs.Move((0, 1.0))})
-    assert again.converged and not again.touching
-    for released in (found.then({base: rs.Force(0.0)}), model.solve({base: rs.Force(0.0)})):
-        assert released.converged and abs(released.force(base)) < 1e-6 * load
-        assert released.motion(base) == pytest.approx(3.0, abs=1e-3)
-
-
 @pytest.mark.parametrize("secondary", [11, pytest.param(12, marks=pytest.mark.slow)])
 def test_press_fit_of_two_free_rings_has_lames_pressure(secondary: int) -> None:
     """Interference 5 um, held by symmetry alone: the mean to 0.5 %, every point within 2 %."""
@@ -425,16 +404,3 @@ def test_hexahedra_with_two_pairs_share_a_load() -> None:
     for number in (0, 1):
         own = found.contact == number
         assert found.weights[own] @ found.pressure[own] == pytest.approx(5.0, rel=1e-6)
-
-
-def test_weight_of_a_body_is_carried() -> None:
-    """A force per volume, without any hub: the box stands by contact alone."""
-    ends = (((0, -1), (1, 0)), ((0, 0), (1, 1)))
-    model = model_of(
-        two_boxes("triangle", ((3, 2), (4, 2)), ends), BOTH[0], rs.Body(2, SOFT, force=(0, -2.0)),
-        rs.Contact(secondary=12, primary=11), rs.Slide(30, normal=(1, 0)), section="plane strain",
-    )  # fmt: skip
-    floor = model.add(rs.Slide(21, normal=(0, 1)))
-    found = model.solve()
-    assert found.converged
-    np.testing.assert_allclose(found.force(floor), [0.0, 2.0], atol=1e-8)

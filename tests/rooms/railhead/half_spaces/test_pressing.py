@@ -16,7 +16,6 @@ from railhead.run.mesh_solution import MeshSolution
 from railhead.scene import catalogue
 
 SEEN_TWICE = ["wheel.profile=S1002", "rail.inclination=1:40", "wheelset.shift=2", "load=70kN"]
-TWO_SIDES = ["wheel.profile=arc", "wheel.transverse_radius=-200", "load=50kN"]
 
 
 def thesis(*assignments: str):
@@ -73,23 +72,6 @@ def test_one_ellipse_is_hertz() -> None:
     assert found.approach * math.cos(contact.touch.angle) == pytest.approx(
         ellipse.approach, rel=2e-3
     )
-
-
-@pytest.mark.parametrize("shift", [pytest.param(0.0, marks=pytest.mark.slow), 0.2])
-def test_mirrored_scenes_have_mirrored_patches(shift: float) -> None:
-    """A concave wheel on an upright head touches on both sides of the crown."""
-    one, other = (
-        solved(thesis(*TWO_SIDES, "rail.inclination=0", f"wheelset.shift={side * shift}"), 128)
-        for side in (1, -1)
-    )
-    assert one.approach == pytest.approx(other.approach, rel=1e-5)
-    angles = [[patch.plane for patch in each.patches] for each in (one, other)]
-    forces = [[patch.force for patch in each.patches] for each in (one, other)]
-    assert len(one.patches) == len(other.patches) == 2
-    assert sorted(angles[0]) == pytest.approx(sorted(-angle for angle in angles[1]), abs=1e-4)
-    assert forces[0] == pytest.approx(forces[1], rel=1e-3)
-    if not shift:
-        assert forces[0][0] == pytest.approx(forces[0][1], rel=1e-3)
 
 
 def test_a_patch_that_was_not_looked_for_is_found(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -203,23 +203,6 @@ def test_a_force_above_what_friction_carries_is_said() -> None:
     assert not found.converged and "above what friction carries" in found.reason
 
 
-def pressed_yielding(load: float) -> rs.Solution:
-    """Boxes of which the upper one yields from 5 on, pressed without friction."""
-    made = rs.Model(*boxes(), section="plane strain")
-    made.add(rs.Body(LOWER, SOFT), rs.Body(UPPER, rs.Plastic(1000.0, 0.3, 5.0, 50.0)))
-    made.add(rs.Slide(21, normal=(0, 1)), rs.Slide(30, normal=(1, 0)), rs.Contact(12, 11))
-    return made.solve({made.add(rs.Hub(22, free=(0, -1), slides=True)): rs.Force(load)})
-
-
-def test_stress_of_a_body_that_yields_is_without_its_plastic_strain() -> None:
-    """Pressed evenly, it has minus the load per area along the load, and 0 across."""
-    found = pressed_yielding(7.0)  # from 7.8 on it is wider than the lower box by 1 % of the force
-    assert found.converged
-    stress = found.stress.x.array.reshape(-1, 3, 3)
-    np.testing.assert_allclose(stress[:, 1, 1], -7.0, rtol=1e-6)
-    np.testing.assert_allclose(stress[:, 0, 0], 0.0, atol=1e-6)
-
-
 def test_no_friction_is_no_reason() -> None:
     """A load above what the block carries without hardening."""
     made = model()
