@@ -54,7 +54,7 @@ COMMANDS = (
      f"{WHEEL} --fast --set rolling.axle=torque_free"),
     ("wear of one position, half-spaces, finite elements at the end", CROWN),
     ("wear of one position, half-spaces", f"{CROWN} --fast"),
-    ("wear over a route of 12 positions in 3 steps, half-spaces", ROUTE),
+    ("wear over a route of 12 positions in 5 steps, half-spaces", ROUTE),
     ("a creep table for vehicle programs", "table"),
 )  # fmt: skip
 """Commands of `railhead` after what they do; they begin at the top of the checkout."""
