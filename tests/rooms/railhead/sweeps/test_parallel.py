@@ -107,7 +107,7 @@ def test_a_sweep_has_one_datum_of_the_approach() -> None:
 
 
 def test_what_makes_no_contact_is_refused_before_anything_runs(capsys, tmp_path) -> None:
-    """The last of three: it is named with its values."""
+    """The second of two: it is named with its values."""
     line = refused(
         capsys, tmp_path / "out", "s1002_60e1", "--over", "wheelset.shift=0,30mm",
         "--set", "wheelset.back_to_back=1250",

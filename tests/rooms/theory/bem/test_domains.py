@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from pressing import displacement, flat, solve
 
 from railhead.theory.bem.pressure_solver import (
@@ -13,8 +12,6 @@ from railhead.theory.bem.pressure_solver import (
 )
 from railhead.theory.elastic.hertz import point_contact
 from tests.rooms.theory.bem.test_pressure_solver import LOAD, MODULUS, RADIUS, paraboloid
-
-Array = NDArray[np.float64]
 
 
 def bumps(distance: float, lift: float = 0.0):

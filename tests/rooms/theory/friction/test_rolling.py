@@ -130,21 +130,6 @@ def test_vanishing_creepage_gives_the_linear_coefficients(ratio: float) -> None:
     assert extrapolated[4] == pytest.approx(exact.c33, rel=2e-2)
 
 
-@pytest.mark.parametrize("entry", named("carter")[1::2])
-def test_the_middle_of_a_long_line_contact_is_carters(entry) -> None:
-    strip = strip_of(entry)
-    x = strip.half_width * ((2 * np.arange(64) + 1) / 64 - 1)
-    y = strip.half_width * 4 * (np.arange(15) - 7)
-    pressure = np.repeat(strip.pressure_across(x)[:, None], 15, axis=1)
-    body = HalfSpaceFriction(x, y, pressure, 0.3, STEEL, rolling=True)
-    rolled = body.solve(Creepage(along=entry["creepage_xi"]))
-    used = rolled.traction[0, :, 7].sum() / rolled.bound[:, 7].sum()
-    assert used == pytest.approx(entry["Q_over_muP"], abs=OWN)
-    sticks = x[rolled.sticks[:, 7]]
-    behind = entry["stick_centre_over_a_towards_leading_edge"] - entry["stick_half_width_over_a"]
-    assert sticks.min() / strip.half_width == pytest.approx(behind, abs=0.03)
-
-
 def mindlin(entry) -> Ellipse:
     modulus = contact_modulus(207000, 0.3, 207000, 0.3)
     return point_contact(1 / 420, 1 / (420 if "sphere" in entry["id"] else 300), modulus, 25000)
