@@ -159,11 +159,21 @@ class WearResult:
 
     def _contacts(self, number: int) -> list[Row]:
         """Values of the contacts of all positions at a row, with their estimates; empty where they
-        are not known.
+        are not known. Both runs may agree by chance in the pressure of one position: its relative
+        error is at least the root mean square of those of all positions. That of the edge of a
+        groove is added.
         """
         main, coarse = self.runs["main"].seen[2 * number :], self.runs["coarse"].seen[number:]
         known = [each[0].values for each in (main, coarse) if each]
-        return [_estimated(*each) for each in zip(*known, strict=True)] if main else []
+        found = [_estimated(*each) for each in zip(*known, strict=True)] if main else []
+        if len(known) == len(self.runs):
+            name = "pressure_max_MPa"
+            own, other = (np.array([each[name] for each in values]) for values in known)
+            off = _error(own, other, OWN[name])
+            off = np.maximum(off, own * math.sqrt(np.mean((off / own) ** 2)))
+            for each, error in zip(found, off.tolist(), strict=True):
+                each[f"{name} estimate"] = math.hypot(error, each["pressure_edge_MPa"])
+        return found
 
     @property
     def _thin(self) -> dict[str, str]:
@@ -462,16 +472,15 @@ def _error(main: Any, coarse: Any, least: float = LEAST) -> Any:
 
 
 def _estimated(row: Row, coarse: Row | None = None) -> Row:
-    """A row, with `_error` of each of its numbers but those that are given, of a largest pressure
-    with that of the edge of a groove; None where it is not known.
+    """A row, with `_error` of each of its numbers but those that are given; None where it is not
+    known.
     """
     found = dict(row)
     for key in [key for key in row if key not in GIVEN]:
         value, other = row[key], (coarse or {}).get(key)
         known = value is not None and other is not None
-        edge = row.get("pressure_edge_MPa", 0.0) if key == "pressure_max_MPa" else 0.0
         found[f"{key} estimate"] = (
-            float(np.hypot(_error(value, other, OWN.get(key, LEAST)), edge)) if known else None
+            float(_error(value, other, OWN.get(key, LEAST))) if known else None
         )
     return found
 

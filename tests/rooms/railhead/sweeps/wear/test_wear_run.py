@@ -121,11 +121,22 @@ def test_a_run_that_stops_keeps_what_it_has_with_its_error_and_says_why(tmp_path
     assert summary["rows"][-1]["axles"] == pytest.approx(2 / 3 * AXLES)
 
 
-def test_the_edge_of_a_groove_is_a_part_of_the_error_of_pressures_alone():
-    row = {"pressure_max_MPa": 600.0, "pressure_edge_MPa": 8.0, "area_mm2": 100.0}
-    found = wear_result._estimated(row, row | {"pressure_max_MPa": 597.0})
-    assert found["pressure_max_MPa estimate"] == pytest.approx(np.sqrt(6**2 + 3**2 + 8**2))
-    assert found["area_mm2 estimate"] == pytest.approx(0.3)
+def test_the_pressure_of_a_position_is_as_uncertain_as_those_of_all_and_its_edge():
+    """Errors of 1 % of 600 MPa and 0.5 % of 300 MPa (the least one), edges of 8 and 0 MPa."""
+
+    def run(*pressures: float) -> SimpleNamespace:
+        """A run with two positions."""
+        rows = zip(pressures, (8.0, 0.0), strict=True)
+        values = [{"pressure_max_MPa": p, "pressure_edge_MPa": edge} for p, edge in rows]
+        return SimpleNamespace(seen=[SimpleNamespace(values=values)])
+
+    runs = {"main": run(600.0, 300.0), "coarse": run(597.0, 300.0)}
+    first, second = wear_result.WearResult(None, runs)._contacts(0)
+    own = np.hypot(0.01, 0.005)
+    assert first["pressure_max_MPa estimate"] == pytest.approx(np.hypot(600 * own, 8))
+    assert second["pressure_max_MPa estimate"] == pytest.approx(
+        300 * np.sqrt((own**2 + 0.005**2) / 2)
+    )
 
 
 @pytest.mark.slow
