@@ -20,6 +20,7 @@ LARGEST_RESIDUAL = {"nitsche": 0.1, "penalty": 1e-3}  # of the right-hand side, 
 # solve may leave. The tangent of a penalty is stiffer: with a larger one Newton's method wanders
 # from one active set to the next (linear tetrahedra, 142 000 unknowns: 15 Newton steps and 329
 # Krylov iterations with a tenth, 5 and 137 with a thousandth).
+NO_MEMORY = 55  # PETSc's error
 NOT_ALLOCATED = -5, -7, -13, -19  # INFOG(1) of MUMPS where memory is missing
 
 
@@ -32,6 +33,18 @@ class StalledError(RuntimeError):
     def __init__(self, iterations: int, text: str) -> None:
         super().__init__(text)
         self.iterations = iterations
+
+
+def stalled(error: StalledError | PETSc.Error) -> StalledError:
+    """An error of a linear solve; one of PETSc with its number and its last line. One of memory is
+    raised again.
+    """
+    if isinstance(error, StalledError):
+        return error
+    if error.ierr == NO_MEMORY:
+        raise error
+    last = str(error).splitlines()[-1].partition("] ")
+    return StalledError(0, f"PETSc's error {error.ierr}: {last[2] or last[0]}")
 
 
 class Preconditioner(ABC):

@@ -337,7 +337,8 @@ def solve(
                 result.reason = "the active set cycles"
                 return result
             y.axpy(length, increment)
-    except StalledError as error:
+    except (StalledError, PETSc.Error) as failed_solve:
+        error = linear.stalled(failed_solve)
         result.reason, result.stalled = str(error), True
         if not result.history:  # what the failed first solve left in y is no state
             _clear(result)

@@ -17,8 +17,9 @@ from railhead.theory.array_types import Array, Index, Mask
 
 LOOSE = "nothing holds"
 HELD = 0.01  # least stiffness of a motion that is held, over that of the body's stiffest one
-LEAST_FACETS = {1: 5.0, 2: 1.2}  # on the half width of discs, of a degree: below, pressures are off
-# by a tenth and more
+UNHELD = 1e-10  # stiffness of a motion over D up to which it is rounding: nothing touches the body
+LEAST_FACETS = {1: (5.0, 5.0), 2: (1.2, 4.0)}  # on the half width, of a degree: in sections, solids
+MAY_BE_OFF = {1: "a tenth", 2: "3 %"}  # by which pressures of discs and balls are off with fewer
 FLAT, ALL = 1e-6, 0.9  # range of the gap over a facet, and share of points, of contacts at once
 
 
@@ -31,7 +32,8 @@ def warn_where_coarse(model: Assembly, pairing: Interface, pressure: Array) -> N
     size = size / model.kinematics.measure(pairing.points[on])
     found = pairing.contact[on], pressure[on], size, pairing.initial_gap[on], pairing.points[on]
     every = [np.concatenate(parts) for parts in zip(*model.comm.allgather(found), strict=True)]
-    least, dim = LEAST_FACETS[model.bulk.degree], model.kinematics.dim
+    degree, dim = model.bulk.degree, model.kinematics.dim
+    least = LEAST_FACETS[degree][dim - 2]
     for number in np.unique(every[0]):
         p, sizes, gap, x = (each[every[0] == number] for each in every[1:])
         length = float(np.mean(sizes)) ** (1 / (dim - 1))
@@ -41,7 +43,7 @@ def warn_where_coarse(model: Assembly, pairing: Interface, pressure: Array) -> N
         if not tied and facets < least and np.ptp(gap) > FLAT * length and len(p) < ALL * whole:
             model.warn(
                 f"contact {number} has {facets:.1f} facets from its largest pressure to its "
-                f"edge: with less than {least} its pressure may be off by a tenth"
+                f"edge: with less than {least} its pressure may be off by {MAY_BE_OFF[degree]}"
             )
 
 
@@ -86,7 +88,8 @@ def loose_motion(model: Assembly, problem: ContactProblem, active: Mask, loads: 
     bodies = np.array([body for body, *_ in found])
     for body in set(bodies):
         own = np.ix_(bodies == body, bodies == body)
-        mass[own] *= scipy.linalg.eigvalsh((stiff[own] + stiff[own].T) / 2, mass[own])[-1]
+        stiffest = scipy.linalg.eigvalsh((stiff[own] + stiff[own].T) / 2, mass[own])[-1]
+        mass[own] *= max(stiffest, UNHELD)
     values, vectors = scipy.linalg.eigh((stiff + stiff.T) / 2, mass)
     free = vectors[:, values <= HELD]
     if not free.size:

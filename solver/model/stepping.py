@@ -157,7 +157,9 @@ def _step(model: Assembly, before: State, loads: HubLoads, share: float) -> Stat
             pairing = paired
             break
     else:
-        pairing, result.reason = paired, "the pairs of points do not settle"
+        pairing = paired
+        why = why_not(model, problem, loads, result.pressure > 0, result.pressure > 0)
+        result.reason = why or "the pairs of points do not settle"
     after = replace(
         before,
         displacement=u,

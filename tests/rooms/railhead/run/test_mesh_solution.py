@@ -55,6 +55,23 @@ def test_a_solve_that_stalls_for_good_is_status_1_with_its_history(monkeypatch) 
     assert "step  0  the linear solver stalls" in told(summary)
 
 
+def test_an_error_of_petsc_is_no_convergence_but_one_of_memory_is(monkeypatch) -> None:
+    """As of a preconditioner that PETSc cannot make: 77; 55 is missing memory."""
+
+    def failing(*given: object) -> None:
+        raise linear.PETSc.Error(codes[-1])
+
+    monkeypatch.setattr(linear, "krylov", failing)
+    codes = [77]
+    summary = solved()
+    assert summary["result"] is None and not summary["checks"]["passed"]
+    assert summary["newton"]["reason"].startswith("PETSc's error 77: ")
+    assert "NOT CONVERGED: PETSc's error 77" in told(summary)
+    codes += [55]
+    with pytest.raises(linear.PETSc.Error):
+        solved()
+
+
 def test_a_residual_that_is_no_number_is_no_result(monkeypatch) -> None:
     calls = []
 

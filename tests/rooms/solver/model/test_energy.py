@@ -90,6 +90,18 @@ def test_work_of_a_rigid_cylinder_is_the_energy() -> None:
     assert simpson(force, x=way) == pytest.approx(work[-1], rel=2e-3)
 
 
+def test_a_body_pushed_along_a_surface_without_friction_is_named() -> None:
+    """It parts from the other one, and its rigid motions have no stiffness at all: that ended in an
+    error of linear algebra."""
+    ends = ((-2, -1), (2, 0)), ((0, 0), (1, 1))
+    model = rs.Model(*two_boxes("triangle", ((8, 2), (4, 3)), ends), section="plane strain")
+    law = rs.Energy(neo_hookean(model))
+    model.add(rs.Body(LOWER, law), rs.Body(UPPER, law), rs.Clamp(21), rs.Contact(12, 11))
+    model.add(rs.Traction(22, (0.02, -0.1)))
+    found = model.solve()
+    assert not found.converged and "nothing holds the body around (0.5, 0.5)" in found.reason
+
+
 def test_what_does_not_go_with_an_energy_is_refused() -> None:
     def model(section: str = "plane strain") -> rs.Model:
         return rs.Model(*two_boxes("triangle", ((1, 1), (1, 1)), SQUARE), section=section)

@@ -323,6 +323,23 @@ def test_a_roller_that_nothing_holds_along_its_plates_is_named() -> None:
     np.testing.assert_allclose(along, [1, 0], atol=0.1)
 
 
+def test_a_disc_that_rests_on_a_block_is_free_to_roll() -> None:
+    """Its points of contact never settled: that was all that was said."""
+
+    def make(occ) -> list[int]:
+        return [occ.addRectangle(-2, -2, 0, 4, 2), occ.addDisk(0, 1, 0, 1, 1)]
+
+    def tag(body: int, box: tuple[float, float, float, float]) -> int:
+        return 12 if body == 2 else 11 if box[1] > -1e-6 else 21 * (box[3] < -1.9)
+
+    made = rs.Model(*meshed(make, tag, "0.4"), section="plane strain")
+    made.add(rs.Body(1, SOFT), rs.Body(2, SOFT, (0, -1)), rs.Clamp(21), rs.Contact(12, 11))
+    found = made.solve()
+    told = re.fullmatch(r"nothing holds the body around .*: it may move along (.*)", found.reason)
+    along = np.array([float(x) for x in told[1][1:-1].split(",")])
+    assert not found.converged and abs(along[0]) > 0.99
+
+
 def test_nearly_incompressible_bodies_are_told_to_lock() -> None:
     for mean in (False, True):
         made = rs.Model(*boxes(), section="plane strain", mean_dilatation=mean)
