@@ -41,9 +41,9 @@ def read_arrays(path: Path) -> dict[str, NDArray[np.generic]]:
         zlib.error,
         NotImplementedError,
         MemoryError,
-    ) as error:
-        reason = " ".join(str(error).split())
-        raise ValueError(f"{path.name} is no whole .npz file: {reason}; write it again") from None
+    ):
+        text = "is no whole .npz file of numbers; write it again by numpy.savez"
+        raise ValueError(f"{path.name} {text}") from None
     for name, array in found.items():
         if array.dtype.kind not in "biuf":
             raise ValueError(f"{path.name}: {name} is {array.dtype}; give real numbers")

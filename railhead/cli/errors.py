@@ -9,6 +9,7 @@ import click
 
 from railhead.run import process
 from railhead.scene.scene import SceneError
+from railhead.scene.sections import ArgumentError
 
 SOLVED, CHECK_FAILED, WRONG_INPUT = 0, 1, 2  # exit statuses
 OUT_OF_MEMORY = re.compile("failed to map segment|annot allocate|bad_alloc|ut of memory")
@@ -22,6 +23,9 @@ def told(error: Exception) -> int:
     meshing, mpi = (sys.modules.get(name) for name in ("railhead.meshing.mesh", "mpi4py.MPI"))
     status, short = CHECK_FAILED, False
     if isinstance(error, SceneError | click.ClickException):
+        if isinstance(error, ArgumentError):
+            name = "out" if error.key == "folder" else error.key
+            error = SceneError(f"--{name}", error.text.replace("force=True", "--force"))
         text = error.format_message() if isinstance(error, click.ClickException) else str(error)
         say(" ".join(text.split()))
         status = WRONG_INPUT

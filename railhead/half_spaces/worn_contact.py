@@ -38,6 +38,10 @@ MOST = 0.5  # of what a step wears, from the step before
 FOLLOWS = 2.0  # largest factor on the wear of all lines, by which slip follows the pressure
 PLACES = 4001  # along each profile
 LEAST = 4  # places from knot to knot
+VALUES = (
+    *("pressure_max_MPa", "pressure_edge_MPa", "area_mm2", "t_gamma_N"),
+    *("rail_mm2", "wheel_mm2", "edge_cells"),
+)
 FIELDS = ("pressure", "index", "energy", "damage", "rate", "force")
 Fields = dict[str, Array]
 """Values (2, n) at the places along the profiles of rail and wheel, by name."""
@@ -91,10 +95,10 @@ _splines = lru_cache(maxsize=8)(Splines)
 class Seen:
     """The contact of a position on profiles as they are.
 
-    values: quantities by their names in wear.json; 'pressure_edge_MPa' is half of what an average
-        over twice the width takes off the largest pressure, 'rail_mm2' and 'wheel_mm2' are areas
-        that all passages take at the present rate, 'edge_cells' the least distance of a patch from
-        an end of a profile, in cells.
+    values: quantities by their names in wear.json, VALUES; 'pressure_edge_MPa' is half of what an
+        average over twice the width takes off the largest pressure, 'rail_mm2' and 'wheel_mm2' are
+        areas that all passages take at the present rate, 'edge_cells' the least distance of a patch
+        from an end of a profile, in cells.
     fields: by name, (2, n) at the places along rail and wheel: 'pressure', largest of the line,
         MPa; 'index', largest surface fatigue index of the line, NaN without pressure or yield
         stress; by all passages at the present rate 'energy', the sum of T-gamma per width, N/mm,

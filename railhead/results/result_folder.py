@@ -26,8 +26,8 @@ import tomli_w
 from railhead.geometry.tables import NUMBER
 from railhead.run import process
 from railhead.scene.catalogue import copy_files, portable
-from railhead.scene.scene import Scene, SceneError
-from railhead.scene.sections import refuse_first
+from railhead.scene.scene import Scene
+from railhead.scene.sections import ArgumentError, refuse_first
 
 SUMMARY, SCENE = "summary.json", "scene.toml"
 VERSION = version("railhead-contact")
@@ -59,25 +59,28 @@ def check_folder(folder: Path, keeps: Collection[str] = ()) -> None:
             (folder.parent / (_prefix(folder) + 16 * "x")).lstat()  # raises if the name is too long
         to_nothing = folder.is_symlink() and not folder.exists()
         refuse_first(
-            (to_nothing, "--out", f"{name} is a link to nothing{end}"),
-            (folder.exists() and not folder.is_dir(), "--out", f"{name} is a file{end}"),
+            (to_nothing, "folder", f"{name} is a link to nothing{end}"),
+            (folder.exists() and not folder.is_dir(), "folder", f"{name} is a file{end}"),
+            kind=ArgumentError,
         )
         target = folder.resolve()
         parent = next((each for each in target.parents if each.exists()), target)
         writable = parent.is_dir() and os.access(parent, os.W_OK)
-        refuse_first((not writable, "--out", f"{str(parent)!r} cannot be written to{end}"))
+        text = f"{str(parent)!r} cannot be written to{end}"
+        refuse_first((not writable, "folder", text), kind=ArgumentError)
         if target.parent.is_dir() and process.rank() == 0:
             settle(target)
         if folder.is_dir():
             other = next((each for each in foreign(folder) if each not in keeps), "")
             kept, mount = "which cannot be replaced", os.path.ismount(folder)
             refuse_first(
-                (mount, "--out", f"{name} is a mount point, {kept}{end}"),
-                (target == Path.cwd(), "--out", f"{name} is the working directory, {kept}{end}"),
-                (other, "--out", f"{name} holds {other!r}, which is no result{end}"),
+                (mount, "folder", f"{name} is a mount point, {kept}{end}"),
+                (target == Path.cwd(), "folder", f"{name} is the working directory, {kept}{end}"),
+                (other, "folder", f"{name} holds {other!r}, which is no result{end}"),
+                kind=ArgumentError,
             )
     except OSError as error:
-        raise SceneError("--out", f"{name}: {error.strerror}{end}") from None
+        raise ArgumentError("folder", f"{name}: {error.strerror}{end}") from None
 
 
 def other_result(folder: Path, command: str, scene: Scene) -> str:
@@ -104,8 +107,8 @@ def check_free(folder: Path, command: str, scene: Scene, *, force: bool) -> None
     """
     check_folder(folder)
     if not force and (words := other_result(folder, command, scene)):
-        text = f"{str(folder)!r} holds {words}; give another folder, or --force to replace it"
-        raise SceneError("--out", text)
+        text = f"{str(folder)!r} holds {words}; give another folder, or force=True to replace it"
+        raise ArgumentError("folder", text)
 
 
 def set_aside(folder: Path) -> None:
@@ -132,7 +135,7 @@ def claimed(folder: Path) -> Iterator[None]:
         except OSError as error:
             if error.errno == errno.EADDRINUSE:
                 text = f"{str(folder)!r} is in use by another command; wait for it, or give another"
-                raise SceneError("--out", text) from None
+                raise ArgumentError("folder", text) from None
         yield
 
 

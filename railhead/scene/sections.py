@@ -36,11 +36,15 @@ class SceneError(ValueError):
         return f"{key}: {self.text}"
 
 
-def refuse_first(*rules: tuple[object, str, str]) -> None:
-    """Raise SceneError(key, text) for the first rule (broken, key, text) that is broken."""
+class ArgumentError(SceneError):
+    """Error of an argument of a function, which is an option of a command. key: its name."""
+
+
+def refuse_first(*rules: tuple[object, str, str], kind: type[SceneError] = SceneError) -> None:
+    """Raise an error of a kind for the first rule (broken, key, text) that is broken."""
     for broken, key, text in rules:
         if broken:
-            raise SceneError(key, text)
+            raise kind(key, text)
 
 
 class Section(BaseModel):

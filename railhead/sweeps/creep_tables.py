@@ -12,8 +12,7 @@ from mpi4py import MPI
 
 from railhead.results import result_folder
 from railhead.run.progress import Progress
-from railhead.scene.scene import SceneError
-from railhead.scene.sections import refuse_first
+from railhead.scene.sections import ArgumentError, refuse_first
 from railhead.scene.units import FRACTION, to_base
 from railhead.sweeps import store, worker_pool
 from railhead.theory.array_types import Array
@@ -21,6 +20,7 @@ from railhead.theory.friction import creep_table as theory
 from railhead.theory.friction.creep_table import AXES, NUMBERS, CreepTable
 from railhead.theory.friction.kalker import coefficients
 
+LARGEST = 100.0  # that a force or its error over mu N cannot be
 TABLE, ROWS, FOUND = "table.npz", "table.csv", result_folder.SUMMARY
 HEAD = """# railhead creep table. Poisson's ratio {poisson:g}, {cells} cells each way, law {law}.
 # axis_ratio: a/b, a along. along, across, spin: G a b C11 xi_x/(mu N), G a b C22 xi_y/(mu N),
@@ -65,7 +65,7 @@ def creep_table(
                 try:
                     axes = theory.axes(**asked)
                 except ValueError as error:
-                    raise SceneError("--law", f"{law}: {error}") from None
+                    raise ArgumentError("law", f"{law}: {error}") from None
                 claim.enter_context(result_folder.claimed(folder))
                 request = {"railhead": result_folder.VERSION, "table": asked}
                 store.begin(folder, request, "replace" if force else "refuse", (TABLE, ROWS, FOUND))
@@ -87,27 +87,28 @@ def _checked(
     try:
         accuracy = to_base(accuracy, FRACTION)
     except ValueError as error:
-        raise SceneError("--accuracy", str(error)) from None
+        raise ArgumentError("accuracy", str(error)) from None
     if isinstance(ratios, str):
         first, _, last = ratios.partition(":")
         try:
             ratios = float(first), float(last or first)
         except ValueError:
-            raise SceneError("--ratios", f"{ratios!r} is not allowed; give LOW:HIGH") from None
+            raise ArgumentError("ratios", f"{ratios!r} is not allowed; give LOW:HIGH") from None
     low, high = ratios
     even = 12 <= cells <= 96 and cells % 2 == 0
     falls = law is None or (min(law) > 0 and law[0] <= 1)
     text = "{} is not allowed; give {}".format
     refuse_first(
-        (not 0 <= poisson <= 0.5, "--poisson", text(poisson, "0 to 0.5")),
-        (not 0.005 <= accuracy <= 0.2, "--accuracy", text(accuracy, "0.5% to 20%")),
+        (not 0 <= poisson <= 0.5, "poisson", text(poisson, "0 to 0.5")),
+        (not 0.005 <= accuracy <= 0.2, "accuracy", text(accuracy, "0.5% to 20%")),
         (
             not 0.05 <= low <= high <= 20,
-            "--ratios",
+            "ratios",
             text(f"{low:g}:{high:g}", "LOW:HIGH within 0.05:20"),
         ),
-        (not even, "--cells", text(cells, "12 to 96, even")),
-        (not falls, "--law", text(law, "KINETIC above 0 to 1, HALF and MEMORY above 0")),
+        (not even, "cells", text(cells, "12 to 96, even")),
+        (not falls, "law", text(law, "KINETIC above 0 to 1, HALF and MEMORY above 0")),
+        kind=ArgumentError,
     )
     return {"poisson": poisson, "accuracy": accuracy, "ratios": ratios, "cells": cells, "law": law}
 
@@ -138,7 +139,7 @@ def _solved(
         if found.value is None:
             ratio, along = parts[jobs[job]]
             text = f"{str(folder)!r}: a/b = {ratio:.4g}, along = {along:.4g}: {found.fault}"
-            raise SceneError("--out", text)
+            raise ArgumentError("folder", text)
         store.write(folder, jobs[job], {"values": found.value.tolist()})
         progress.jobs(count, len(parts))
     values = np.array(
@@ -167,7 +168,7 @@ def _read(folder: Path, number: int, shape: tuple[int, ...]) -> Array:
     """Values of a part, of a shape. Raises SceneError for a record that is broken."""
     try:
         values = np.array(store.read(folder, number)["values"], dtype=float)
-        if values.shape == shape and np.isfinite(values).all():
+        if values.shape == shape and bool((np.abs(values) < LARGEST).all()):
             return values
     except (LookupError, TypeError, ValueError):
         pass

@@ -17,7 +17,7 @@ from pathlib import Path
 from railhead.geometry.tables import lines_of
 from railhead.scene.keys import assignment
 from railhead.scene.scene import Scene, SceneError, checked, unit
-from railhead.scene.sections import refuse_first
+from railhead.scene.sections import ArgumentError, refuse_first
 from railhead.sweeps.sampling import NUMBER, Law, check_units, draw, law
 
 MAX_COMBINATIONS = 10_000
@@ -77,12 +77,9 @@ class ParameterGrid:
                 (not values, key, "has no values; give one or more")
                 for key, values in lists.items()
             ),
-            (
-                total > MAX_COMBINATIONS,
-                "--over",
-                f"makes {total} combinations; give at most {MAX_COMBINATIONS}",
-            ),
         )
+        many = f"makes {total} combinations; give at most {MAX_COMBINATIONS}"
+        refuse_first((total > MAX_COMBINATIONS, "over", many), kind=ArgumentError)
         scenes, refused = [], {}
         for row, values in product(rows or ({},), product(*lists.values())):
             asked = {**row, **dict(zip(lists, values, strict=True))}
@@ -109,7 +106,7 @@ class ParameterGrid:
         values, count = every.most_common(1)[0]
         if count > 1 and laws is None:
             text = ", ".join(f"{key}={value}" for key, value in values)
-            raise SceneError("--over", f"gives {text} twice; give each value once")
+            raise ArgumentError("over", f"gives {text} twice; give each value once")
         return grid
 
     @classmethod
@@ -128,15 +125,18 @@ class ParameterGrid:
         """
         laws = {key: each for key, each in lists.items() if isinstance(each, Law)}
         refuse_first(
-            *((key not in laws, key, "has values beside --sample; give a law") for key in lists),
+            *((key not in laws, key, "has values beside samples; give a law") for key in lists),
             *((key in laws, key, "is in the file of samples, too") for key in (rows or [{}])[0]),
-            (not (laws or rows), "--sample", "has no laws; give --over KEY=LAW"),
-            (count is None and not rows, "--sample", "is missing; give the number of samples"),
+        )
+        refuse_first(
+            (not (laws or rows), "sample", "has no laws; give KEY=LAW"),
+            (count is None and not rows, "sample", "is missing; give the number of samples"),
             (
                 bool(rows) and (count is not None or sobol),
-                "--samples-file",
+                "samples-file",
                 "has all samples, which may depend on each other; leave --sample and --sobol out",
             ),
+            kind=ArgumentError,
         )
         size = count or len(rows)
         drawn = draw(laws, size, sobol=sobol) if laws else [{}] * size

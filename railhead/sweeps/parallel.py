@@ -22,7 +22,7 @@ from railhead.run import process
 from railhead.run.progress import Progress, Tell, show_progress
 from railhead.scene.catalogue import as_path, copy_files, places, portable
 from railhead.scene.scene import Scene, SceneError, checked, warn_of_units
-from railhead.scene.sections import refuse_first
+from railhead.scene.sections import ArgumentError, refuse_first
 from railhead.sweeps import runner, store, sweep_table, worker_pool
 from railhead.sweeps.grid import ParameterGrid, parse_values
 from railhead.sweeps.sampling import SEED
@@ -134,7 +134,7 @@ def _check_records(sweep: ParallelSweep) -> None:
     for number, (record, _) in sweep_table.records(sweep.folder).items():
         path = store.record_path(sweep.folder, number)
         if sweep.grid.laws is not None and number >= len(sweep.grid.scenes):
-            raise SceneError("--sample", f"{str(sweep.folder)!r} has more samples; give as many")
+            raise ArgumentError("sample", f"{str(sweep.folder)!r} has more samples; give as many")
         if record["fault"]:
             path.unlink()
         elif number >= len(sweep.grid.scenes) or record["over"] != json.loads(
@@ -143,7 +143,7 @@ def _check_records(sweep: ParallelSweep) -> None:
             if sweep.grid.laws is None:
                 raise store.broken(path)
             text = f"{str(sweep.folder)!r} has another sample {number}; {store.ADVICE}"
-            raise SceneError("--out", text)
+            raise ArgumentError("folder", text)
 
 
 def _solve_all(

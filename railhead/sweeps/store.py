@@ -13,12 +13,13 @@ from railhead.results import result_folder
 from railhead.scene.catalogue import INPUT
 from railhead.scene.keys import dotted
 from railhead.scene.scene import SceneError
+from railhead.scene.sections import ArgumentError
 from railhead.theory import array_types
 from railhead.theory.array_types import Array, packed
 
 REQUEST, RECORDS = "sweep.json", "records"
 TRANSFER = "transfer"  # key of sweep.json that is found, not asked
-ADVICE = "give another folder, or --force to replace it"
+ADVICE = "give another folder, or force=True to replace it"
 Other = Literal["refuse", "move", "replace"]
 
 
@@ -58,20 +59,22 @@ def _check_request(folder: Path, request: dict[str, Any]) -> None:
     """
     name = repr(str(folder))
     if not (folder / REQUEST).is_file():
-        raise SceneError("--out", f"{name} holds another kind of result; {ADVICE}")
+        raise ArgumentError("folder", f"{name} holds another kind of result; {ADVICE}")
     known = load(folder / REQUEST)
     known.pop(TRANSFER, None)
     tables = request, known
     here, other = (dict(dotted(table)) for table in tables)
     for key in {**here, **other}:
         if here.get(key) != other.get(key):
-            raise SceneError(
-                "--out",
+            raise ArgumentError(
+                "folder",
                 f"{name} holds another sweep, with {key} {other.get(key, 'not given')} and not "
                 f"{here.get(key, 'left out')}; {ADVICE}",
             )
     if list(here) != list(other):  # the numbers of the scenes differ, too
-        raise SceneError("--out", f"{name} holds this sweep with --over in another order; {ADVICE}")
+        raise ArgumentError(
+            "folder", f"{name} holds this sweep with keys in another order; {ADVICE}"
+        )
 
 
 def done(folder: Path) -> set[int]:
@@ -130,4 +133,4 @@ def load(path: Path) -> dict[str, Any]:
 
 def broken(path: Path) -> SceneError:
     """The error that reports a broken file of a folder."""
-    return SceneError("--out", f"{str(path)!r} is broken; delete it and start again")
+    return ArgumentError("folder", f"{str(path)!r} is broken; delete it and start again")

@@ -145,7 +145,7 @@ def passage(scene: Scene, over: Mapping[str, Sequence[object]] | None = None) ->
     Raises SceneError for another key or a wrong value in `over`, and as `crossing.touch`.
     """
     for key in (over or {}).keys() - {"rail.position"}:
-        text = "is not allowed in --over of locate beside rail.sections"
+        text = "is not allowed in over of locate beside rail.sections"
         raise SceneError(key, f"{text}; give rail.position alone")
     scenes = ParameterGrid.combine(scene, over).scenes if over else [scene]
     scenes = sorted(scenes, key=lambda each: each.rail.position)

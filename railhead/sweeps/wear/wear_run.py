@@ -324,6 +324,7 @@ class Run:
                 stage = Stage(depth=arrays.pop("depth"), **STAGE.validate_python(record["stage"]))
                 others, given = arrays.pop("others"), NUMBERS.validate_python(record["seen"])
                 _ = [*zip(self.route.positions, given.values, given.rises, others, strict=True)]
+                _ = [each[name] for each in given.values for name in worn_contact.VALUES]
                 seen = Contacts(others=others, fields=arrays, **vars(given))
             except (LookupError, TypeError, ValueError):
                 raise store.broken(store.record_path(folder, number)) from None
@@ -369,8 +370,9 @@ def solve(
                 run.stages.append(stage)
                 run.write(folder, APART * number + len(run.stages) - 1)
                 of = "" if ends is None else f" of {len(ends)}"
+                half = "half " * number
                 progress.stage(
-                    f"run {number + 1} of 2 ({name}): step {len(run.stages) - 1}{of}, "
+                    f"run {number + 1} of 2 ({name}): {half}step {len(run.stages) - 1}{of}, "
                     f"{stage.done:.1%} worn"
                 )
             end = run.stages[-1]

@@ -181,6 +181,7 @@ WRONG = [
     (["run", "long_roller", "--out", "/"], "--out: '/' is a mount point"),
     (["run", "long_roller", "--out", ""], "--out: is empty; give the path of a folder"),
     (["table", "--out", "/etc/hostname"], "--out: '/etc/hostname' is a file; give another folder"),
+    (["table", "--cells", "13"], "railhead: --cells: 13 is not allowed; give 12 to 96, even"),
     (["sweep", "s1002_60e1", "--over", "wear.axles=100,200"], "wear.axles: changes no scene"),
     (["plan", "s1002_60e1", "--set", "wheelset.other_radius=inf"], "wheelset.other_radius: inf"),
     # What cannot be computed.

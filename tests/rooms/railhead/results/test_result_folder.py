@@ -25,7 +25,7 @@ def write(folder: Path, text: str, *names: str) -> None:
 
 def refused(folder: Path) -> str:
     line = refusal(lambda: result_folder.check_folder(folder))
-    assert line.startswith("--out: ")
+    assert line.startswith("folder: ")
     return line
 
 

@@ -258,7 +258,7 @@ def test_another_sweep_is_not_gone_on_with(swept: Path, capsys) -> None:
     assert (swept / "sweep.csv").read_bytes() == before
     swapped = (*SIX[2:], *SIX[:2])
     line = command.refused(capsys, "sweep", *ROLLER, *swapped, *out)
-    assert "holds this sweep with --over in another order" in line
+    assert "with keys in another order" in line
 
 
 @pytest.mark.parametrize("content", [
@@ -355,7 +355,7 @@ def test_a_sweep_goes_on_with_its_own_folder_and_leaves_others(tmp_path: Path, c
     store.write(folder, 3, {"fault": "gmsh: no"})
     store.begin(folder, mine, "move")
     assert store.done(folder) == {3} and not capsys.readouterr().err
-    with pytest.raises(SceneError, match="case a and not b; give another folder, or --force"):
+    with pytest.raises(SceneError, match="case a and not b; give another folder, or force=True"):
         store.begin(folder, other)
     store.begin(folder, other, "move")
     assert store.done(folder) == set() and store.done(tmp_path / "sweep.1") == {3}

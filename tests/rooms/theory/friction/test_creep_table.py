@@ -3,6 +3,7 @@
 Kalker's linear coefficients: reference numbers, published tables, limits.
 """
 
+import json
 import math
 import shutil
 from dataclasses import replace
@@ -60,10 +61,14 @@ def known_axes(table, monkeypatch) -> None:
     monkeypatch.setattr(creep_table, "axes", lambda **_: axes)
 
 
-@pytest.mark.parametrize("values", ["{}", "[[0]]", '"high"', '{"values": [["x"]]}'])
+@pytest.mark.parametrize("values", ["{}", "[[0]]", '"high"', '{"values": [["x"]]}', "1e308", "NaN"])
 def test_a_broken_record_is_said(known_axes, folder, tmp_path, values: str) -> None:
     shutil.copytree(folder, tmp_path / "t")
     path = tmp_path / "t" / "records" / "00001.json"
+    if values in ("1e308", "NaN"):
+        content = json.loads(path.read_text())
+        content["values"][0][0][0][0] = float(values)
+        values = json.dumps(content)
     path.write_text(values if values.startswith("{") else f'{{"values": {values}}}')
     with pytest.raises(SceneError, match="00001.json' is broken"):
         creep_tables.creep_table(
@@ -203,13 +208,13 @@ def test_the_command_writes_a_table_and_says_its_errors(
 @pytest.mark.parametrize(
     ("keys", "text"),
     [
-        ({"poisson": 0.6}, "--poisson: 0.6 is not allowed; give 0 to 0.5"),
-        ({"accuracy": 0.5}, "--accuracy: 0.5 is not allowed"),
-        ({"ratios": (2.0, 1.0)}, "--ratios: 2:1 is not allowed; give LOW:HIGH"),
-        ({"ratios": "wide"}, "--ratios: 'wide' is not allowed; give LOW:HIGH"),
-        ({"cells": 13}, "--cells: 13 is not allowed; give 12 to 96, even"),
-        ({"law": (1.5, 1.0, 1.0)}, "--law: .* give KINETIC above 0 to 1"),
-        ({"law": (0.1, 1e-3, 1e-4), "cells": 12}, "--law: .* the law falls too steeply"),
+        ({"poisson": 0.6}, "poisson: 0.6 is not allowed; give 0 to 0.5"),
+        ({"accuracy": 0.5}, "accuracy: 0.5 is not allowed"),
+        ({"ratios": (2.0, 1.0)}, "ratios: 2:1 is not allowed; give LOW:HIGH"),
+        ({"ratios": "wide"}, "ratios: 'wide' is not allowed; give LOW:HIGH"),
+        ({"cells": 13}, "cells: 13 is not allowed; give 12 to 96, even"),
+        ({"law": (1.5, 1.0, 1.0)}, "law: .* give KINETIC above 0 to 1"),
+        ({"law": (0.1, 1e-3, 1e-4), "cells": 12}, "law: .* the law falls too steeply"),
     ],
 )
 def test_a_wrong_request_is_one_line_and_writes_nothing(keys, text, tmp_path) -> None:

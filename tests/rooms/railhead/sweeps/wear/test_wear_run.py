@@ -247,8 +247,10 @@ def test_a_run_goes_on_after_its_last_record(worn, tmp_path, monkeypatch):
     assert again.summary["pressure_max_MPa"] == found.summary["pressure_max_MPa"]
     assert "another" in refusal(lambda: sweep.wear(crown(axles=AXLES + 1), folder))
     record = folder / "records" / "00001.json"
-    record.write_text(record.read_text().replace('"deepest": ', '"deepest": {}, "was": '))
-    assert "broken" in refusal(lambda: sweep.wear(crown(depth_limit=0.02), folder))
+    text = record.read_text()
+    for name, other in (("deepest", '"deepest": {}, "was'), ("rail_mm2", '"rail')):
+        record.write_text(text.replace(f'"{name}"', f'{other}"'))
+        assert "broken" in refusal(lambda: sweep.wear(crown(depth_limit=0.02), folder))
 
 
 def test_rail_and_wheel_share_the_wear(worn, tmp_path):
