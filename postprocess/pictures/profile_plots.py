@@ -168,7 +168,7 @@ def draw_profile(
             lost.plot(worn.y, worn.loss, color=LOST)
             at = worn.y[worn.worst], worn.largest_loss
             lost.plot(*at, "o", color=STANDARD, label=f"largest: {loss}")
-            lost.set_ylabel(f"less than\n{worn.name}, mm")
+            lost.set_ylabel(f"less than {worn.name},\nalong the normal, mm")
         for axes in panels:
             axes.legend(loc="best")
         panels[-1].set_xlabel("y across the track, mm (gauge side and flange on the left)")

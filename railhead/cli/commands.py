@@ -371,10 +371,15 @@ def wear(
 @options.prints_json("the numbers as JSON")
 def show(folder: Path, units: Units, as_json: bool) -> None:
     """Print what a command found and wrote into a folder; solve nothing."""
+    from rich.console import Console
+
     from railhead.cli import kept
     from railhead.results.report import terminal
+    from railhead.results.result import Result
 
     found = kept.load(folder)
+    if isinstance(found, Result) and not found.passed:
+        terminal.show_failure(found.summary, Console(stderr=True))
     _print(found.as_dict(), partial(found.show, terminal.standard(), units), as_json=as_json)
 
 

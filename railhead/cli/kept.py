@@ -95,7 +95,7 @@ def difference(folders: Sequence[Path], picture: Path | None = None) -> dict[str
     png = picture is None or (picture.suffix == ".png" and "conicity" in one)
     refuse_first(
         (names[0] != names[1], "diff", f"a {names[0]} and a {names[1]}; give two of one kind"),
-        (not png, "--picture", f"{str(picture)!r} is for two of locate; give FILE.png beside them"),
+        (not png, "--picture", f"{str(picture)!r}: give two folders of locate, and FILE.png"),
     )
     with api.reading(folders[0], "result"):
         rows = found[0].kind.rows if isinstance(found[0], Kept) else quantity_rows.everything

@@ -352,11 +352,19 @@ class RollingRadii:
         """Equivalent conicity by amplitude, mm, from 0.5 in steps of 0.1 as far as the shifts
         reach; None where there is none.
         """
-        found: dict[float, float | None] = {}
-        for tenths in range(5, math.floor(5 * (self.shifts[-1] - self.shifts[0]) + 1e-6) + 1):
-            value = equivalent_conicity(tenths / 10, self.shifts, self.right, self.left)
-            found[tenths / 10] = None if math.isnan(value) else value
-        return found
+        return {amplitude: value for amplitude, (value, _) in self.motions.items()}
+
+    @cached_property
+    def motions(self) -> dict[float, tuple[float | None, float | None]]:
+        """`motion` by the amplitudes of `conicities`; None where there is none."""
+        last = math.floor(5 * (self.shifts[-1] - self.shifts[0]) + 1e-6)
+        found = {n / 10: motion(n / 10, *self._radii) for n in range(5, last + 1)}
+        return {key: (None, None) if math.isnan(each[0]) else each for key, each in found.items()}
+
+    @property
+    def _radii(self) -> tuple[Array, Array, Array]:
+        """Shifts, and rolling radii on the right and on the left, mm."""
+        return self.shifts, self.right, self.left
 
     @property
     def nonlinearity(self) -> float | None:
@@ -367,11 +375,11 @@ class RollingRadii:
         return None if two is None or four is None else (four - two) / 2
 
 
-def equivalent_conicity(amplitude: float, shifts: Array, right: Array, left: Array) -> float:
-    """Equivalent conicity of a free wheelset that swings by an amplitude a (mm) to both sides of
-    some middle: the conicity of cones whose motion has the same wavelength (EN 15302). NaN where
-    the wheelset is driven outward, without amplitude, and where it would swing beyond the shifts; 0
-    where nothing turns it back.
+def motion(amplitude: float, shifts: Array, right: Array, left: Array) -> tuple[float, float]:
+    """Equivalent conicity of a free wheelset that swings by an amplitude a (mm) to both sides
+    of some middle: the conicity of cones whose motion has the same wavelength (EN 15302); and
+    the shift of that middle, mm. NaN where the wheelset is driven outward, without amplitude,
+    and where it would swing beyond the shifts; 0 where nothing turns it back.
 
     The motion is y'' = -D(y)/(e r): D is the rolling radius difference, right less left, at the
     shift y, e the distance of the contacts, r the rolling radius. It turns back at m - a and m + a,
@@ -395,15 +403,15 @@ def equivalent_conicity(amplitude: float, shifts: Array, right: Array, left: Arr
     ends = shifts[0] + amplitude, shifts[-1] - amplitude
     low, high, slack = *map(left_over, ends), ROUNDING * np.abs(difference).max()
     if not (amplitude > 0 and ends[0] <= ends[1] + ROUNDING and low <= slack and high >= -slack):
-        return math.nan
+        return math.nan, math.nan
     middle = brentq(left_over, *ends, xtol=1e-13) if low < 0 < high else ends[low < 0]
     angles = ((np.arange(ANGLES) + 0.5) / ANGLES - 0.5) * math.pi  # y = m + a sin(angle): no pole
     energy = integral(middle + amplitude) - integral(middle + amplitude * np.sin(angles))
     if energy.min() < -slack:
-        return math.nan
+        return math.nan, math.nan
     with np.errstate(divide="ignore"):  # the wheelset stays where nothing turns it back
         half = math.pi * np.mean(amplitude * np.cos(angles) / np.sqrt(2 * energy.clip(0.0)))
-    return float(math.pi**2 / (2 * half**2))
+    return float(math.pi**2 / (2 * half**2)), float(middle)
 
 
 def rolling_radii(wheelset: WheelsetOnTrack, reach: float) -> RollingRadii:

@@ -238,7 +238,13 @@ def _more(solved: Solved, accuracy: Mapping[str, Any]) -> dict[str, Any]:
             rolling=rolling.prescribed,
             line=contact.line,
         )
-        out["friction"] = {**forces, **axle, **stresses}
+        small = [
+            key
+            for key in friction.LOADS[:2]
+            if abs(forces[key]) < accuracy["bound"].get(key, 0.0) * forces["limit_N"]
+        ]
+        below = sorted({*forces["below_resolution"], *small} - {*forces["given"]})
+        out["friction"] = {**forces, **axle, **stresses, "below_resolution": below}
     if solved.passes is not None and solved.passes.rows:
         out |= solved.passes.summary()
     return (

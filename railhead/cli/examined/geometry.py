@@ -36,6 +36,7 @@ from railhead.scene.scene import Scene, SceneError, checked
 from railhead.sweeps.grid import ParameterGrid
 from railhead.theory.array_types import Array
 
+CENTRED = 1e-3  # mm off the middle of the track that are none
 CLEARANCE = 0.05  # mm, largest gap of a contact, of the size of elastic approaches
 SHIFTS = np.linspace(-10.0, 10.0, 81)  # mm, of pictures and positions.csv
 ROW_STEP = 0.25  # mm between the rows of profile.csv
@@ -114,8 +115,8 @@ class Location(Examined):
             "tabulated": self.shifts is not None,
             "jumps_mm": self.radii.jumps,
             "conicity": [
-                {"amplitude_mm": amplitude, "value": value}
-                for amplitude, value in self.level.conicities.items()
+                {"amplitude_mm": amplitude, "value": value, "middle_mm": middle}
+                for amplitude, (value, middle) in self.level.motions.items()
             ],
             "nonlinearity_per_mm": self.level.nonlinearity,
         }
@@ -187,8 +188,8 @@ class Location(Examined):
     def tables(self) -> dict[str, list[dict[str, Any]]]:
         """Rows of positions.csv and conicity.csv by name of the file."""
         conicity = [
-            {"amplitude [mm]": amplitude, "equivalent conicity": value}
-            for amplitude, value in self.level.conicities.items()
+            {"amplitude [mm]": amplitude, "equivalent conicity": value, "middle [mm]": middle}
+            for amplitude, (value, middle) in self.level.motions.items()
         ]
         return {"positions.csv": self.positions(), "conicity.csv": conicity}
 
@@ -236,16 +237,21 @@ class Location(Examined):
         jumps = ", ".join(f"{units.value(each, 'mm'):.4g}" for each in summary["jumps_mm"])
         text = f"at shifts of {jumps} {units.unit('mm')}" if jumps else "none"
         terminal.labelled(console, f"jumps      {text}")
-        values = ", ".join(
-            f"{each['value']:.4g} at {units.value(each['amplitude_mm'], 'mm'):g}"
+        whole = [
+            (units.value(each["amplitude_mm"], "mm"), each["value"], each["middle_mm"])
             for each in summary["conicity"]
             if each["amplitude_mm"] % 1 == 0 and each["value"] is not None
-        )
+        ]
+        values = ", ".join(f"{value:.4g} at {amplitude:g}" for amplitude, value, _ in whole)
         text = f"conicity   {values or 'none'} {units.unit('mm')} (equivalent, EN 15302"
         if (slope := summary["nonlinearity_per_mm"]) is not None:
             slope = round(units.value(slope, "1/mm"), 4) + 0.0
             text += f"; nonlinearity parameter {slope:g} {units.unit('1/mm')}"
         terminal.labelled(console, f"{text})")
+        if any(abs(middle) > CENTRED for *_, middle in whole):
+            text = ", ".join(f"{units.value(y, 'mm'):.3g} at {a:g}" for a, _, y in whole)
+            unit = units.unit("mm")
+            terminal.labelled(console, f"middle     of the motion: shifts of {text} {unit}")
 
 
 def _show_contacts(console: Console, units: Units, summary: Mapping[str, Any]) -> None:
@@ -292,7 +298,7 @@ def locate(scene: Scene, over: Mapping[str, Sequence[object]] | None = None) -> 
     shifts = None
     if over is not None:
         for key in over.keys() - {"wheelset.shift"}:
-            text = "is not allowed in --over of locate; give wheelset.shift alone"
+            text = "is not allowed in over of locate; give wheelset.shift alone"
             raise SceneError(key, f"{text} (railhead diff A B compares two folders of locate)")
         scenes = ParameterGrid.combine(scene, over).scenes
         shifts = np.array(sorted(each.wheelset.shift for each in scenes))
@@ -389,7 +395,7 @@ class ExaminedProfile(Examined):
         if worn := summary["wear"]:
             lines.append(
                 f"wear       against {summary['standard']}: "
-                f"at most {units.text(worn['largest_mm'], 'mm', 3)} "
+                f"at most {units.text(worn['largest_mm'], 'mm', 3)} along the normal "
                 f"at y = {units.text(worn['largest_y_mm'], 'mm', 3)}, "
                 f"{units.text(worn['area_mm2'], 'mm2', 3)} of the section"
             )

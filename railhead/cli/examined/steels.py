@@ -18,7 +18,7 @@ from railhead.run.model_setup import hardening
 from railhead.scene import catalogue, files
 from railhead.scene.bodies import steels
 from railhead.scene.scene import Scene, SceneError
-from railhead.solver.material import Material
+from railhead.solver.material import Hardening, Material
 from railhead.solver.plasticity.specimen import Bar, fitted, stresses
 from railhead.theory.array_types import Array
 
@@ -29,7 +29,9 @@ CURVE = np.linspace(0.0, 0.02, 101)  # strains of the curve in tension
 RANGE, LOOPS, STEPS = 0.006, 3, 30  # largest strain of the loops, their number, steps each way
 SHARE = 0.1  # of the amplitude: the mean stress that is not asked for; and less than the loop
 POOR = 0.1  # of the largest stress: misfit from which the keys do not describe the test
+ROUNDED = 1e-9  # of a plastic strain
 ROUNDING = 12  # decimals of strains that cycles add
+SHORT = "no proof stress, as test or curve end below 0.2% of plastic strain"
 TABLES = (".csv", ".txt", ".dat")
 
 
@@ -103,10 +105,22 @@ class SteelTests(Examined):
 
     @property
     def proof(self) -> dict[str, float]:
-        """Stress of the bar in tension, MPa, by the plastic strain (PLASTIC)."""
-        stress = stresses(self.steel, TENSION)
-        plastic = TENSION - stress / self.steel.young_modulus
-        return {f"{each:g}": float(np.interp(each, plastic, stress)) for each in PLASTIC}
+        """Stress of the bar in tension, MPa, by the plastic strain: of those (PLASTIC) that 4 % of
+        strain, the test and the points of the flow curve reach.
+        """
+        stress, young, law = stresses(self.steel, TENSION), self.steel.young_modulus, self.law
+        plastic = TENSION - stress / young
+        ends = [plastic[-1], *([law.strain[-1]] if len(law.strain) > 1 else [])]
+        if self.measured is not None:
+            ends.append((self.measured @ [1.0, -1 / young]).max())
+        reached = (each for each in PLASTIC if each <= min(ends) + ROUNDED)
+        return {f"{each:g}": float(np.interp(each, plastic, stress)) for each in reached}
+
+    @property
+    def law(self) -> Hardening:
+        """Its flow curve."""
+        assert self.steel.hardening is not None
+        return self.steel.hardening
 
     @property
     def misfit(self) -> dict[str, float]:
@@ -133,7 +147,6 @@ class SteelTests(Examined):
         "standard_errors", relative, of yield stress, all C, all g, and Q and b.
         """
         mean, amplitude = self.stress
-        assert self.steel.hardening is not None
         cycles = {
             "mean_MPa": mean,
             "amplitude_MPa": amplitude,
@@ -143,7 +156,7 @@ class SteelTests(Examined):
             "case": self.scene.name,
             "scene": catalogue.portable(self.scene),
             "steel": _keys(self.steel),
-            "rule": rule(self.steel.hardening),
+            "rule": rule(self.law),
             "proof_MPa": self.proof,
             "loop_MPa": float(self.loops[-2 * STEPS :, 1].max()),
             "ratchetting": cycles,
@@ -186,7 +199,7 @@ class SteelTests(Examined):
         mean, amplitude = (units.text(cycles[key], "MPa") for key in ("mean_MPa", "amplitude_MPa"))
         rates = cycles["strain_per_cycle"]
         lines = [
-            f"tension    {proof} of plastic strain",
+            f"tension    {proof} of plastic strain" if proof else f"tension    {SHORT}",
             f"loops      {units.text(summary['loop_MPa'], 'MPa')} at {RANGE:.1%} of strain",
             f"ratchets   by {rates[0]:.3g} in the first cycle of {mean} +- {amplitude}, by "
             f"{rates[-1]:.3g} in cycle {len(rates)} ({summary['rule']})",

@@ -376,7 +376,7 @@ def words(summary: Mapping[str, Any]) -> list[str]:
     def within(name: str, key: str, unit: str) -> str:
         """A number with its unit and its error."""
         value, error = summary[name][key], bound[name][key]
-        off = "its error is not known" if error is None else f"+- {error:.2g} of it"
+        off = "its error is not known" if error is None else f"+- {100 * error:.2g} %"
         return "not known" if value is None else f"{value:.4g} {unit} {off}"
 
     lines = [

@@ -8,7 +8,7 @@ import pytest
 
 from railhead.geometry import profiles
 from railhead.geometry.placement import ProfilePair
-from railhead.geometry.wheelset import WheelsetOnTrack, equivalent_conicity, rolling_radii
+from railhead.geometry.wheelset import WheelsetOnTrack, motion, rolling_radii
 
 TABLE = Path(__file__).parent / "data" / "en15302.csv"
 RADIUS = 460.0  # mm
@@ -16,7 +16,7 @@ RADIUS = 460.0  # mm
 
 def swing(amplitude: float, shifts: np.ndarray, differences: np.ndarray) -> float:
     """Equivalent conicity of a rolling radius difference."""
-    return equivalent_conicity(amplitude, shifts, 460 + differences, 460 + 0 * differences)
+    return motion(amplitude, shifts, 460 + differences, 460 + 0 * differences)[0]
 
 
 def alike(rail: profiles.Profile, wheel: profiles.Profile, **more: float) -> WheelsetOnTrack:
@@ -97,3 +97,11 @@ def test_arcs_have_the_conicity_of_their_radii(wheel: float, rail: float) -> Non
 def flipped(arc: profiles.Arc) -> profiles.Arc:
     """An arc of a profile that is hollow, from the one that is round."""
     return profiles.Arc(arc.start, arc.end, arc.centre_y, -arc.centre_z, arc.radius, -1)
+
+
+def test_the_motion_of_unlike_wheels_has_its_middle_where_the_radii_are_equal() -> None:
+    """A cone whose wheels differ by 0.15 mm in radius: 0.05 everywhere, about 1.5 mm."""
+    shifts = np.linspace(-8.0, 8.0, 161)
+    for amplitude in (1.0, 3.0):
+        found = motion(amplitude, shifts, 460 + 0.1 * (shifts - 1.5), np.full(161, 460.0))
+        assert found == pytest.approx((0.05, 1.5), rel=1e-6)

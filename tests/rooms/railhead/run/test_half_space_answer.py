@@ -1,6 +1,7 @@
 """Half-spaces answer in the place of finite bodies: beside exact Hertz, finite elements, Kalker."""
 
 import math
+import re
 from dataclasses import replace
 
 import command
@@ -11,6 +12,7 @@ from csv_rows import rows
 from solved import planned
 
 import railhead as rh
+from railhead.results.report import terminal
 from railhead.run import half_space_answer, mesh_solution
 from railhead.scene import quantities
 from railhead.theory.friction import kalker
@@ -364,3 +366,16 @@ def test_forces_do_not_jump_with_the_load() -> None:
     one, other = (each["result"]["friction"] for each in both)
     for way in ("along", "across"):
         assert abs(one[f"force_{way}_N"] - other[f"force_{way}_N"]) < 2e-6 * one["limit_N"]
+
+
+def test_a_force_below_its_estimate_is_below_resolution() -> None:
+    """Yaw takes the creepage across away: -4 N of 3000, within 18 N, had no mark."""
+    keys = {"friction.coefficient": 0.3, "rolling.from_wheelset": True, "wheelset.shift": 3}
+    keys |= {"wheelset.yaw": -0.00032155, "quantities": "patch,forces", "effects.heat": "off"}
+    off = {"effects.plasticity": "off", "effects.finite_bodies": "off"}
+    result = rh.solve(rh.find("s1002_60e1").replace(**keys, **off), quiet=True)
+    friction, bound = result.summary["result"]["friction"], result.summary["accuracy"]["bound"]
+    assert friction["below_resolution"] == ["force_across_N"]
+    assert 0 < abs(friction["force_across_N"]) < bound["force_across_N"] * friction["limit_N"]
+    printed = terminal.recorded(result.show).export_text()
+    assert re.search(r"^force across .* below resolution$", printed, re.MULTILINE)

@@ -273,7 +273,7 @@ def test_a_table_of_shifts_is_printed_with_those_left_out(tmp_path, capsys) -> N
 @pytest.mark.parametrize(
     ("values", "words"),
     [
-        ("load=1kN", "load: is not allowed in --over of locate; give wheelset.shift alone"),
+        ("load=1kN", "load: is not allowed in over of locate; give wheelset.shift alone"),
         ("wheelset.shift=40", "wheelset.shift: 40 is not allowed; give a length from -30 to 30 mm"),
         ("wheelset.shift", "--over: 'wheelset.shift' is not key=values"),
     ],
@@ -437,4 +437,4 @@ rolling_radius = 460
         capsys.readouterr().out.split()
     )
     said = command.refused(capsys, *given, "--over", "wheelset.shift=1")
-    assert "wheelset.shift: is not allowed in --over of locate beside rail.sections" in said
+    assert "wheelset.shift: is not allowed in over of locate beside rail.sections" in said

@@ -1,5 +1,6 @@
 """`railhead steel`: bars of a steel by closed forms, constants of a test, and what is refused."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import command
@@ -8,6 +9,7 @@ import pytest
 from one_line import refusal
 
 from railhead.cli.examined.steels import steel_tests
+from railhead.results.report import terminal
 from railhead.solver.material import Hardening, Material
 from railhead.solver.plasticity.specimen import Bar, fitted, stresses
 
@@ -137,3 +139,19 @@ def test_a_test_that_softens_is_no_fit(here, capsys) -> None:
     fit = "steel", "soft.csv", "--backstresses", "1", "--no-pictures"
     assert command.status(*fit, "--cycles", "1", "--amplitude", "100MPa") == 1
     assert "DO NOT DESCRIBE THE TEST" in " ".join(capsys.readouterr().out.split())
+
+
+@pytest.mark.parametrize(("end", "known"), [(0.02, [0.002, 0.01]), (0.005, [0.002]), (0.001, [])])
+def test_proof_stresses_end_with_the_test_and_with_the_curve(
+    end: float, known: list[float], tmp_path
+) -> None:
+    """Beyond it, they were those of the last point."""
+    (tmp_path / "curve.csv").write_text(f"0,400\n{end},500\n")
+    curve = [f"rail.stress_strain={tmp_path / 'curve.csv'}"]
+    found = steel_tests("long_roller", curve, 1, 0.0)
+    assert list(found.proof) == [f"{each:g}" for each in known]
+    printed = terminal.recorded(found.show).export_text()
+    assert ("no proof stress" in printed) == (not known)
+    bar = steel_tests("long_roller", ["rail.yield_stress=400"], 1, 0.0)
+    pulled = np.array([[0.0, 0.0], [end + 400.0 / 207000.0, 400.0]])
+    assert list(replace(bar, measured=pulled).proof) == list(found.proof)
