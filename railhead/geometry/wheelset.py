@@ -358,13 +358,9 @@ class RollingRadii:
     def motions(self) -> dict[float, tuple[float | None, float | None]]:
         """`motion` by the amplitudes of `conicities`; None where there is none."""
         last = math.floor(5 * (self.shifts[-1] - self.shifts[0]) + 1e-6)
-        found = {n / 10: motion(n / 10, *self._radii) for n in range(5, last + 1)}
+        radii = self.shifts, self.right, self.left
+        found = {n / 10: motion(n / 10, *radii) for n in range(5, last + 1)}
         return {key: (None, None) if math.isnan(each[0]) else each for key, each in found.items()}
-
-    @property
-    def _radii(self) -> tuple[Array, Array, Array]:
-        """Shifts, and rolling radii on the right and on the left, mm."""
-        return self.shifts, self.right, self.left
 
     @property
     def nonlinearity(self) -> float | None:
