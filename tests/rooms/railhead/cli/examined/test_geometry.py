@@ -192,7 +192,7 @@ def test_tables_and_pictures_are_in_the_readers_units(tmp_path, capsys) -> None:
     radius = found.placed.right.touches[0].radius
     assert f"{radius / 25.4:.6g}"[:6] in placed and "shift 0.1 in" in placed and "1/in" in placed
     assert " mm" not in placed and worn.count(" mm") == 1  # the unit of the file
-    assert f"at most {profile.worn.largest_loss / 25.4:.3g} in at" in worn
+    assert f"at most {profile.worn.largest_loss / 25.4:.3g} in along the normal" in worn
     for name, draw in (found.drawings(inches) | profile.drawings(inches)).items():
         texts = [text.get_text() for text in draw(None).figure.findobj(Text)]
         assert not [text for text in texts if re.search(r"\b[mu]m\b", text)], name
