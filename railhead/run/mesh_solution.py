@@ -477,8 +477,12 @@ def _remesh_for_found_patch(plan: Plan, fields: Fields) -> Plan | None:
 
 
 def forecast_from_solution(fields: Fields, found: PressureMoments, frame: Frame) -> Forecast:
-    """The patches of a solution as a forecast for the next mesh. found: moments of the whole
-    pressure (centre, half lengths) in the frame of the first contact.
+    """Forecast, for the next mesh, that expects the patches of a solution where they were found:
+    one place in a section, in a solid one for each separate patch. Half lengths are not below the
+    radius of the largest area of a contact point.
+
+    fields: the solution. found: moments of the whole pressure (centre, half lengths) in `frame`,
+        the frame of the first contact.
     """
     contact = fields.contact
     points, touches = contact.points, contact.pressure > 0

@@ -5,8 +5,8 @@ prolongation Q the tangent on the linear cells is
 
     Q^T (K - theta S^T w S) Q  +  (Bt Q)^T w A (B Q)
 
-The first part is made once. The second has one sparsity pattern for all active sets, so that a new
-active set costs a small product and a numeric factorisation.
+That is the tangent of a contact problem in the unknowns of these cells, with the gap N Q and the
+normal stress S Q. Its first part is made once; a new active set costs a small product.
 """
 
 from __future__ import annotations
@@ -20,11 +20,10 @@ from petsc4py import PETSc
 from railhead.solver import compat
 from railhead.solver.algebra.linear import Preconditioner, factorise, near_nullspace
 from railhead.solver.algebra.problem import ContactProblem
-from railhead.solver.algebra.reduced_stiffness import DIFFERENT, Stiffness
+from railhead.solver.algebra.reduced_stiffness import Stiffness
 from railhead.solver.algebra.stiffness import assemble
 from railhead.solver.material import Material
 from railhead.solver.space.cells import Bulk, quadrature_degree
-from railhead.solver.space.operators import vector, weighted_product
 from railhead.solver.space.supports import Reduction, reduced_prolongation, rigid_modes
 from railhead.theory.array_types import Mask
 
@@ -36,7 +35,6 @@ GAMG_THRESHOLD = 0.01  # of strong couplings in GAMG: with all of them (its defa
 AGGRESSIVE_LEVELS = 2  # levels coarsened by the squared graph: with one (its default) the next
 # level is so full that the set-up of 1 000 000 unknowns takes 3.7 instead of 2.2 s, for as many
 # iterations
-SUBSET = PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN
 
 
 @dataclass(frozen=True)
@@ -86,7 +84,7 @@ class PMultigrid(Preconditioner):
     `Preconditioner`.
 
     hierarchy: the level of linear cells.
-    coarse: tangent on that level.
+    coarse: contact problem on that level.
     flexible: whether that level is solved by a Krylov method with algebraic multigrid.
 
     It is set up again for small changes of the active set (`outdated_share`). `s1002_60e1` takes 54
@@ -101,16 +99,16 @@ class PMultigrid(Preconditioner):
     def __init__(self, problem: ContactProblem, hierarchy: Hierarchy) -> None:
         super().__init__(problem)
         self.hierarchy = hierarchy
-        self.coarse = CoarseTangent(problem, hierarchy)
+        self.coarse = problem.coarser(hierarchy.prolongation, hierarchy.stiffness)
         compat.collect(problem.stiffness.comm.tompi4py())
-        self.flexible = self.coarse.matrix.getSize()[0] >= COARSE_DIRECT_BELOW
+        self.flexible = self.coarse.stiffness.blocks.getSize()[0] >= COARSE_DIRECT_BELOW
 
     def set_up(self, active: Mask) -> None:
         """Compute the coarse tangent at these active points (n,), and build smoother and coarse
         solver (collective).
         """
         symmetric = self.problem.law.symmetric
-        self.coarse.fill(active)
+        matrix = self.coarse.assembled_tangent(active)
         # A new one: PCMG keeps the residual operator of its first set-up.
         pc = self.start(self.problem.tangent(active))
         pc.setType("mg")
@@ -122,12 +120,12 @@ class PMultigrid(Preconditioner):
         smoother.setTolerances(max_it=SMOOTHING_STEPS)
         smoother.setOperators(self.operator, self.operator)
         solver = pc.getMGCoarseSolve()
-        solver.setOperators(self.coarse.matrix, self.coarse.matrix)
+        solver.setOperators(matrix, matrix)
         if not self.flexible:
             solver.setType("preonly")
             factorise(solver.getPC(), symmetric)
         else:
-            near_nullspace(self.coarse.matrix, self.hierarchy.rigid_modes)
+            near_nullspace(matrix, self.hierarchy.rigid_modes)
             # One V-cycle solves the coarse problem too loosely: the iterations grew sixfold at 1e6
             # unknowns. A few of CG's steps around it keep them where a direct solver has them.
             solver.setType("cg" if symmetric else "gmres")
@@ -139,50 +137,3 @@ class PMultigrid(Preconditioner):
             options["pc_gamg_aggressive_coarsening"] = AGGRESSIVE_LEVELS
             solver.setFromOptions()
         pc.setUp()
-
-
-class CoarseTangent:
-    """Tangent on the unknowns of the linear (P1) cells, in one sparsity pattern for all active
-    sets.
-
-    K is the stiffness, S the normal stress and tau N the gap times the law's parameter; B = S + tau
-    N, Bt = theta S + tau N; w is area over parameter, Q the prolongation.
-
-    problem: contact problem.
-    matrix: the tangent; its values are those of the last use of `fill`.
-    bulk: K - theta S^T w S on the P1 unknowns, which is the same for all active sets; K has the
-        problem's spring on the approach.
-    normal_operator: B Q.
-    test_operator: Bt Q; the same object as B Q for a symmetric law.
-    scaled: w A B Q of the last active set A.
-    contact: (Bt Q)^T w A (B Q) of the last active set A.
-    """
-
-    def __init__(self, problem: ContactProblem, hierarchy: Hierarchy) -> None:
-        self.problem, prolongation = problem, hierarchy.prolongation
-        self.normal_operator = problem.normal_operator.matMult(prolongation)
-        self.test_operator = (
-            self.normal_operator
-            if problem.law.symmetric
-            else problem.test_operator.matMult(prolongation)
-        )
-        self.scaled = self.normal_operator.copy()
-        self.contact = self.test_operator.transposeMatMult(self.normal_operator)
-        self.bulk = hierarchy.stiffness.pinned(problem.stiffness.spring).assembled()
-        if problem.consistency:
-            stress = problem.stress.matMult(prolongation)
-            product = weighted_product(stress, problem.weight, stress)
-            self.bulk.axpy(-problem.consistency, product, DIFFERENT)
-        self.matrix = self.bulk.copy()
-        self.matrix.axpy(1.0, self.contact, DIFFERENT)
-        self.matrix.setBlockSize(hierarchy.stiffness.blocks.getBlockSize())
-
-    def fill(self, active: Mask) -> None:
-        """Compute the values of the matrix for these active points (n,) (collective)."""
-        problem = self.problem
-        self.normal_operator.copy(self.scaled, structure=PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
-        self.scaled.diagonalScale(L=vector(self.scaled, problem.weight * active))
-        self.test_operator.transposeMatMult(self.scaled, result=self.contact)
-        self.matrix.zeroEntries()
-        self.matrix.axpy(1.0, self.bulk, SUBSET)
-        self.matrix.axpy(1.0, self.contact, SUBSET)

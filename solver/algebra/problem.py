@@ -18,7 +18,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from petsc4py import PETSc
 
-from railhead.solver.algebra.reduced_stiffness import Stiffness
+from railhead.solver.algebra.reduced_stiffness import DIFFERENT, Stiffness
 from railhead.solver.space.contact_interface import ContactLaw, Interface
 from railhead.solver.space.operators import (
     add_transposed,
@@ -184,7 +184,7 @@ class ContactProblem:
         matrix = self.gap.copy()
         matrix.diagonalScale(L=vector(self.gap, self.tau))
         if factor:
-            matrix.axpy(factor, self.stress, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+            matrix.axpy(factor, self.stress, DIFFERENT)
         return matrix
 
     @property
@@ -206,6 +206,33 @@ class ContactProblem:
             other.stiffness.add(self.stress, change)
         return other
 
+    def coarser(self, prolongation: PETSc.Mat, stiffness: Stiffness) -> ContactProblem:
+        """The contact problem in coarser unknowns, whose tangent is the Galerkin product of this
+        one's elastic tangent (collective).
+
+        prolongation: Q, from the coarser unknowns to these. stiffness: Q^T K Q of the bodies alone,
+            N/mm, without a spring.
+        """
+        stress = self.stress.matMult(prolongation)
+        stiffness = stiffness.pinned(self.stiffness.spring)
+        if self.consistency:
+            stiffness = stiffness.copy()
+            stiffness.add(stress, -self.consistency * self.weight)
+        return ContactProblem(
+            law=self.law,
+            stiffness=stiffness,
+            gap=self.gap.matMult(prolongation),
+            stress=stress,
+            area=self.area,
+            bound=self.bound,
+            force=stiffness.vector(),
+            start_gap=self.start_gap,
+            start_stress=self.start_stress,
+        )
+
+    def set_prescribed_strain(self, prescribed: PETSc.Vec) -> None:
+        """Take over the strains of a displacement on all dofs, mm, where bodies have a history."""
+
     def add_consistency_forces(self, stress: Array, out: PETSc.Vec) -> None:
         """Add the forces -theta S^T w s of normal stresses s (n,), MPa, of Nitsche's method to the
         vector `out` of the free unknowns, N; nothing for a penalty.
@@ -217,6 +244,12 @@ class ContactProblem:
         """Pressure before its negative part is set to zero (n,), MPa, at the free unknowns y:
         -(sigma s + tau g) with normal stress s and gap g, positive where the surfaces touch;
         sigma is 1 for Nitsche's method and 0 for a penalty, tau the parameter of the contact law.
+        """
+        return self.linear_indicator(y)
+
+    def linear_indicator(self, y: PETSc.Vec) -> Array:
+        """Indicator (n,), MPa, at the free unknowns y while the history of the bodies stays as it
+        is: a linear function of y.
         """
         return np.asarray(-((self.normal_operator * y).array + self.offset))
 
@@ -326,17 +359,15 @@ class ContactProblem:
         """Tangent at an active set (n,) as an assembled matrix, N/mm, for a factorisation or
         multigrid.
         """
-        different = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
         contact = weighted_product(self.test_operator, self.weight * active, self.normal_operator)
-        contact.axpy(1.0, self.stiffness.assembled(), different)
-        contact.setOption(PETSc.Mat.Option.SYMMETRIC, self.law.symmetric)
-        return contact
+        out = self.stiffness.assembled()
+        out.axpy(1.0, contact, DIFFERENT)
+        out.setOption(PETSc.Mat.Option.SYMMETRIC, self.law.symmetric)
+        return out
 
     def predictor(self, active: Mask) -> PETSc.Vec:
         """Right-hand side, N, of the linear problem for y in which exactly the active points (n,)
-        touch and the others do not; its matrix is the tangent.
+        touch and the others do not: less the residual at y = 0. Its matrix is the tangent.
         """
-        rhs = self.force.copy()
-        add_transposed(self.test_operator, -self.weight * active * self.offset, rhs)
-        self.add_consistency_forces(-self.start_stress, rhs)
-        return rhs
+        rest = self.stiffness.vector()
+        return -self.residual(rest, np.where(active, self.linear_indicator(rest), 0.0))

@@ -154,9 +154,12 @@ class Assembly:
             warnings.warn(text, stacklevel=4)
 
     def _softer_first(self, contact: Contact) -> Contact:
-        """A contact whose secondary body is not the stiffer one by far, or a gap is given for it
-        (collective). Nitsche's parameter goes with the stiffness of the secondary body: beside a
-        soft one its pressure would be that of the mesh (ten times as stiff, degree 1: + 35 %).
+        """The contact as it is solved (collective): with its surfaces exchanged, and a warning,
+        where the secondary body is more than twice as stiff (STIFFER) as the primary one. With a
+        given gap, and where a surface is rigid or lies on several bodies, it stays as it is.
+
+        Nitsche's parameter grows with the stiffness of the secondary body. Where that is much
+        stiffer, the pressure follows the mesh of the soft body (ten times, degree 1: 35 % off).
         """
         tags = contact.tags
         bodies = [self._bodies_at(tag) for tag in tags]
@@ -172,8 +175,8 @@ class Assembly:
         return replace(contact, secondary=tags[1], primary=tags[0])
 
     def _materials(self) -> dict[int, Material]:
-        """Material of each body by its tag (collective). Raises ValueError on all ranks for values
-        that it may not have.
+        """Elastic constants and flow curve of each body, by the tag of the body (collective).
+        Raises ValueError on all ranks where some rank holds a value that is out of range.
         """
         found, problem = {}, ""
         try:

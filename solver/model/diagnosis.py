@@ -121,9 +121,8 @@ def _bodies(model: Assembly) -> tuple[Index, list[Array]]:
     """Bodies as cells that share nodes: number of the body of each node of this rank, and the
     middle of each body (collective).
     """
-    x, comm, topology = model.bulk_points, model.comm, model.bulk.space.mesh.topology
-    cells = CellSet.of(model.bulk, np.arange(topology.index_map(topology.dim).size_local))
-    dofs = np.concatenate(comm.allgather(cells.dofs))
+    x, comm = model.bulk_points, model.comm
+    dofs = np.concatenate(comm.allgather(CellSet.owned(model.bulk).dofs))
     first = np.repeat(dofs[:, 0], dofs.shape[1])
     start, total = comm.exscan(len(x)) or 0, comm.allreduce(len(x))
     graph = sp.coo_matrix((np.ones(dofs.size), (first, dofs.ravel())), shape=(total, total))

@@ -27,7 +27,7 @@ def cell_fields(model: Assembly, state: State) -> dict[str, Any]:
     The last two are None where nothing yields (collective). An energy in a section does not tell
     the stress out of it, which is NaN then.
     """
-    cells = _own_cells(model)
+    cells = CellSet.owned(model.bulk)
     if model.energies:
         model.energies.put(state.displacement)
         plane = model.energies.stress(cells.numbers)[0]
@@ -60,12 +60,6 @@ def cell_fields(model: Assembly, state: State) -> dict[str, Any]:
         "plastic_strain": _fitted(model, tensors(plastic), reference) if yields else None,
         "back_stress": _fitted(model, tensors(back), reference) if yields else None,
     }
-
-
-def _own_cells(model: Assembly) -> CellSet:
-    """Cells that belong to this rank, without those that it shares as ghosts."""
-    topology = model.bulk.space.mesh.topology
-    return CellSet.of(model.bulk, np.arange(topology.index_map(topology.dim).size_local))
 
 
 def _fitted(model: Assembly, tensors: Array, reference: Array) -> Any:
@@ -107,7 +101,7 @@ def write(model: Assembly, state: State, fields: dict[str, Any], path: str | Pat
 
 def _bodies(model: Assembly, state: State, fields: dict[str, Any]) -> meshio.Mesh:
     """Grid of the cells of this rank (collective)."""
-    cells = _own_cells(model)
+    cells = CellSet.owned(model.bulk)
     name, order = VTK_CELLS[cells.cell, cells.degree]
     nodes = np.asarray(
         lagrange_element(cells.cell, cells.degree, basix.LagrangeVariant.gll_warped).points
@@ -125,10 +119,7 @@ def _bodies(model: Assembly, state: State, fields: dict[str, Any]) -> meshio.Mes
     mean = np.einsum("nii->n", tensors) / 3
     deviator = tensors - mean[:, None, None] * np.eye(3)
     data["von_mises"] = np.sqrt(1.5 * (deviator**2).sum(axis=(1, 2)))
-    body = np.zeros(len(cells), np.int32)
-    for tag in model.materials:
-        members = model.cell_tags.find(tag)
-        body[members[members < len(cells)]] = tag
+    body = cells.tags(model.cell_tags).astype(np.int32)
     numbers = np.arange(len(cells) * len(nodes)).reshape(len(cells), -1)[:, order]
     points = _spatial(cells.dof_points())
     return meshio.Mesh(points, [(name, numbers)], point_data=data, cell_data={"body": [body]})

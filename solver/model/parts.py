@@ -180,9 +180,12 @@ class Spring:
 
 @dataclass(frozen=True)
 class Force:
-    """Force along the free direction of a hub, of the meshed part: in a plane section per
-    unit of depth, in an axisymmetric one of the whole turn. move: motion (c,) of the hub across its
-    free direction, from the start.
+    """Load of a hub: a force along its free direction, and a motion across that.
+
+    value: force, positive along `Hub.free`; in a plane section for each unit of depth, in an
+        axisymmetric one for the whole turn.
+    move: motion (c,) of the hub since the start of all loads, without a part along `Hub.free`;
+        None: it does not move across.
     """
 
     value: float
@@ -191,8 +194,10 @@ class Force:
 
 @dataclass(frozen=True)
 class Move:
-    """Motion (c,) of a hub from the start of all loads, or of each of its nodes: a dolfinx Function
-    of vectors, of which the facets of the hub take their values.
+    """Load of a hub: its motion since the start of all loads.
+
+    vector: the motion (c,) of all facets of the hub, or a dolfinx Function of vectors, whose value
+        at each node of these facets is the motion of the node.
     """
 
     vector: Any

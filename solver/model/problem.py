@@ -97,15 +97,8 @@ class FrictionalProblem(PlasticProblem):
         tau.array[:] = -np.repeat(self.tau, self.start_slip.shape[1])
         self.trial_operator.diagonalScale(L=tau)
         self.trial_operator.axpy(1.0, self.shear, DIFFERENT)
-        self.bonded = np.isinf(self.coefficient)
-        self.stick()
-
-    def stick(self) -> None:
-        """Linearise around points that all stick."""
-        count, size = self.start_slip.shape
-        self.derivative, self.slides = np.eye(size)[None], np.zeros(count, dtype=bool)
-        self.pull, self.traction = np.zeros((count, size)), np.zeros((count, size))
-        self.excess, self.direction = np.zeros((count, size)), np.zeros((count, size))
+        self.bonded = self.held = np.isinf(self.coefficient)
+        self.direction = np.zeros(self.start_slip.shape)
 
     def branches(self, active: Mask) -> Mask:
         """State of the points that the tangent depends on (2, n): which touch, and which slide."""
@@ -136,7 +129,7 @@ class FrictionalProblem(PlasticProblem):
         plastic = np.einsum("nkm,nm->nk", self.shear_dyads, self._surface[0].plastic)
         trial = trial - 2 * self.surface.mu[:, None] * plastic
         rubs = np.where(self.bonded, 0.0, self.coefficient)
-        bound = np.where(self.bonded, np.inf, rubs * np.maximum(pressure, 0.0))
+        bound = np.where(self.held, np.inf, rubs * np.maximum(pressure, 0.0))
         self.traction, self.derivative, direction, self.slides = projected(trial, bound)
         turned = (trial.shape[1] > 1) & ((direction * self.direction).sum(axis=1) < 0)
         self.derivative[turned], direction[turned] = np.eye(trial.shape[1]), 0.0
@@ -187,18 +180,7 @@ class FrictionalProblem(PlasticProblem):
         """Right-hand side of the linear problem in which the active points (n,) touch and stick and
         plastic strain stays as it is in the history.
         """
-        self.stick()
+        held, self.held = self.held, active & (self.coefficient > 0)
         rhs = super().predictor(active)
-        bulk, surface = self.bulk.history.plastic, self.surface.history.plastic
-        self.bulk.add_forces(2 * self.bulk.mu[:, None] * bulk, rhs)
-        normal = self.plastic_normal_stress(surface)
-        self.add_consistency_forces(normal, rhs)
-        lost = self.law.sigma * self.weight * active * normal
-        add_transposed(self.test_operator, lost, rhs)
-        start = self.start_shear - self.tau[:, None] * self.start_slip
-        start = start - 2 * self.surface.mu[:, None] * np.einsum(
-            "nkm,nm->nk", self.shear_dyads, surface
-        )
-        rubs = self.area * active * (self.coefficient > 0)
-        add_transposed(self.slip, rubs[:, None] * start, rhs)
+        self.held, self.direction = held, np.zeros_like(self.direction)
         return rhs

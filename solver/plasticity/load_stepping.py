@@ -5,8 +5,8 @@ Each load step starts from the history that the last one left.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from petsc4py import PETSc
@@ -20,6 +20,7 @@ from railhead.solver.plasticity.plastic_problem import (
     surface_points,
 )
 from railhead.solver.plasticity.radial_return import ROOT, History, deviator
+from railhead.solver.space.cells import CellSet
 from railhead.solver.space.supports import on_facets
 from railhead.solver.system.contact_system import ContactSystem, LoadCase
 from railhead.solver.system.setup import LoadPath
@@ -42,35 +43,11 @@ SAME_POWER = 0.05  # by which powers of the load that give the same first yield 
 MOST_GUESSES = 4  # of the load of first yield
 
 
-@dataclass
-class SeparatedProblem(PlasticProblem):
-    """Equilibrium of bodies that yield, without contact. Nothing resists the approach then; a
-    spring in `stiffness` holds it. Its fields are those of `PlasticProblem`.
-    """
-
-    @classmethod
-    def of(cls, problem: PlasticProblem, reference_force: float) -> SeparatedProblem:
-        """The problem without contact; matrices and histories are shared with the given problem.
-        reference_force: as the field.
-        """
-        stiffness = problem.stiffness.pinned(problem.stiffness.typical)
-        changed = {"stiffness": stiffness, "reference_force": reference_force}
-        return cls(**problem.shared() | changed)
-
-    def indicator(self, y: PETSc.Vec) -> Array:
-        """Array (n,) of -1 MPa: no contact point is active. The plastic state at the free unknowns
-        y is computed and kept, as in `PlasticProblem.indicator`.
-        """
-        super().indicator(y)
-        return np.full(len(self.area), -1.0)
-
-    def contact_force(self, pressure: Array) -> float:
-        """Force that the residual is divided by, N: the reference force, whatever the pressure."""
-        return self.reference_force
-
-
-class LoadStepping:
-    """Solves a load case in shares of the full load, one after the other.
+class Response:
+    """Response of the bodies to one load case. It presses the bodies, presses them again under the
+    tangential tractions that friction finds, and unloads them. Bodies that yield are loaded in
+    shares of the load from first yield on; elastic ones have no history. Its methods are
+    collective.
 
     Plastic strain follows by BDF2 at points that go on yielding, elsewhere by backward Euler. With
     the increments h of the load in this step and h' in the last one, r = h/h', the radial return
@@ -80,108 +57,104 @@ class LoadStepping:
 
     instead of the history h_n (Eckert, Baaser, Gross and Scherf, Computational Mechanics 34, 2004);
     back stresses follow the whole plastic strain of the step from h_n. The error of the load steps
-    is then of second order. Its methods are collective.
+    is then of second order.
 
     system: contact system.
-    problem: contact problem of the next step; after `separate` one without contact.
-    case: load case at its full load.
-    preconditioner: preconditioner of the next step.
-    active: (n,) points that touch at the start of the next step.
-    y: free unknowns from which the next step is predicted.
-    y_share: share of the load case that they belong to.
-    share: share of the load case that was reached.
+    problem: contact problem with plastic strain, at the end one without contact; None: all bodies
+        stay elastic.
+    case: load case at its full load; missing as long as everything stays elastic.
+    y: free unknowns from which the next step is predicted. y_share: share of the load that they
+        belong to.
+    share: share of the load that was reached.
     state: plastic histories at the Gauss points and at the contact points at that share.
     earlier: share that was reached before, and the histories there.
     yielded: numbers of the Gauss points and of the contact points that yielded in the last step.
-    results: results of Newton's method in all steps so far.
-    solution: solution of the last step, converged or not; missing before the first. Its plastic
-        strain is that of the last step that converged.
+    results: results of Newton's method in all load steps so far; none as long as everything stays
+        elastic.
+    solution: solution of the last load step, converged or not. Its plastic strain is that of the
+        last step that converged.
     """
 
+    case: LoadCase
     solution: Solution
 
-    def __init__(
-        self,
-        system: ContactSystem,
-        problem: PlasticProblem,
-        case: LoadCase,
-        share: float,
-        first: Solution,
-        first_share: float,
-    ) -> None:
-        """share: share of the load case at which yield begins; first: elastic solution under
-        another share, `first_share`, best near that of the first step. Far from it, points yield in
-        the first iterations that do not yield in the solution.
-        """
-        self.system, self.problem, self.case = system, problem, case
-        self.preconditioner = system.preconditioner
+    def __init__(self, system: ContactSystem, problem: PlasticProblem | None) -> None:
+        self.system, self.problem, self.path = system, problem, system.setup.load_path
         self.results: list[NewtonResult] = []
-        self.state: State = problem.bulk.history, problem.surface.history
-        self.share, self.earlier = share, (share, self.state)
         self.yielded: tuple[Index, Index] = (np.zeros(0, np.int64), np.zeros(0, np.int64))
-        self.y, self.y_share = first.newton.y, first_share
-        self.active: Mask = first.newton.pressure > 0
+        if problem is not None:
+            problem.reset_history()
+            self.state = self._start = problem.state
 
-    def repeat(self, case: LoadCase, state: State) -> Solution:
-        """Solution, converged or not, of the step to the present share again, from another history
-        `state` and with another load case, which both replace the present ones.
+    def press(self, case: LoadCase) -> Solution:
+        """Frictionless solution: elastic up to first yield, then in equal load steps.
+
+        The elastic von Mises stress grows with a power of the load. It is Hertz's where a second
+        elastic solution, at the first step, has it too, else that between the two solutions.
+        The elastic solution is the field `reference` of the one returned. It is returned itself,
+        without a field `plasticity`, where nothing yields or it does not converge.
         """
-        self.case, self.state = case, state
-        self._step(self.share)
-        return self.solution
-
-    def solve_load_steps(self, shares: Iterable[float]) -> NewtonResult:
-        """Apply the load case in these shares of the full load, in turn, see `in_steps`. Where a
-        step fails, the other shares are left out. Returns the result of the last step, which has
-        then not converged.
-        """
-        newton.in_steps(shares, self.share, lambda share: self._step(share).converged)
-        return self.solution.newton
-
-    def separate(self, reference_force: float, start: PETSc.Vec) -> None:
-        """Remove the contact from all further steps; nothing is solved.
-
-        reference_force: force that the norm of Newton's residual is then divided by, N.
-        start: free unknowns from which the next step starts; not copied, and not changed.
-        """
-        self.problem, self.y = SeparatedProblem.of(self.problem, reference_force), start
-        self.active = np.zeros(len(self.problem.area), dtype=bool)
-        self.preconditioner = self.system.new_preconditioner(self.problem)
-
-    def _step(self, share: float) -> NewtonResult:
-        """Solve one step to a share of the load case; returns the result of Newton's method.
-
-        If it converges, its plastic state becomes the history of the next step. The fields
-        `solution` and `results` change in any case.
-        """
-        system, problem, case = self.system, self.problem, self.case.scaled(share)
-        prescribed = system.apply(problem, case)
-        problem.set_prescribed_strain(prescribed)
-        if share < self.share:
-            problem.commit(self.state)
-        y = self._predicted(self.y, share / self.y_share) if share else self.y
-        problem.commit(self._history(share))
-        result = newton.solve(
-            problem,
-            self.preconditioner,
-            self.active,
-            y,
-            rtol=system.setup.tolerance if share in REPORTED_SHARES else STEP_TOLERANCE,
-            max_steps=case.max_steps,
-            progress=case.progress,
+        elastic = self.system.press(case)
+        problem, path = self.problem, self.path
+        if problem is None or path is None or not elastic.newton.converged:
+            return elastic
+        worst = self._mises_over_yield(problem, elastic, case)
+        if worst <= 1:
+            return elastic
+        over, start = worst**self.system.setup.kinematics.load_power, elastic
+        for _ in range(MOST_GUESSES):
+            first_yield, *up = np.linspace(1 / over, 1.0, path.steps + 1)
+            share = min(up[0], 1 / over) if up[0] == 1 else up[0]
+            active = predict_active_set(self.system, elastic.indicator, share)
+            lower = replace(case.scaled(share), active=active, tolerance=START_TOLERANCE)
+            less = self.system.press(lower)
+            start = less if up[0] < 1 else elastic
+            mises = self._mises_over_yield(problem, less, lower)
+            again = worst ** (np.log(share) / np.log(mises / worst))
+            if abs(again / over - 1) < SAME_POWER:
+                break
+            over = float(again)
+        self.case, self.y_share = case, up[0]
+        self.share, self.earlier = first_yield, (first_yield, self.state)
+        self.y = start.newton.y
+        newton.in_steps(up, first_yield, self._step)
+        plasticity = PlasticSolution(
+            load_over_first_yield=over,
+            newton_results=tuple(self.results),
+            loading_steps=len(self.results),
+            indentation_depth={},
         )
-        if result.converged and share:
-            system.balance(problem, result)
-        self.results.append(result)
-        solution = system.solution(problem, result, prescribed, case)
-        if result.converged:
+        return replace(self.solution, reference=elastic, plasticity=plasticity)
+
+    def _step(self, share: float) -> bool:
+        """Solve one step to a share of the load; returns whether Newton's method converged. Its
+        plastic state then becomes the history of the next step. The fields `solution` and `results`
+        change in any case.
+
+        It starts from a prediction; where the bodies are separated, from the given state.
+        """
+        system, problem = self.system, self.problem
+        assert problem is not None
+        tolerance = None if share in REPORTED_SHARES else STEP_TOLERANCE
+        case = replace(self.case.scaled(share), tolerance=tolerance)
+
+        def begin() -> PETSc.Vec:
+            """Free unknowns that the step starts from, and its history."""
+            if share < self.share:
+                problem.commit(self.state)
+            y = self._predicted(problem, share) if share else self.y
+            problem.commit(self._history(share))
+            return y
+
+        solution = system.press(case, problem, begin)
+        self.results.append(solution.newton)
+        if solution.newton.converged:
             self.earlier, self.state = (self.share, self.state), problem.state
-            self.yielded = problem.yielding_points
-            self.share = self.y_share = share
-            self.y, self.active = result.y, result.pressure > 0
+            self.yielded, self.share = problem.yielding_points, share
+            self.y, self.y_share = solution.newton.y, share
         strain = plastic_strain(system, problem, self.state[0])
         self.solution = replace(solution, plastic_strain=strain)
-        return result
+        return solution.newton.converged
 
     def _history(self, share: float) -> State:
         """Histories of the bulk and of the contact points from which the radial return of the step
@@ -200,142 +173,43 @@ class LoadStepping:
         )
         return bulk, surface
 
-    def _predicted(self, y: PETSc.Vec, ratio: float) -> PETSc.Vec:
-        """Prediction of the free unknowns for the next load, from free unknowns y.
+    def _predicted(self, problem: PlasticProblem, share: float) -> PETSc.Vec:
+        """Prediction of the free unknowns at a share of the load, from those of the last state.
 
         It solves the linear problem in which the active set follows the load as in Hertz's theory.
-        Where its tangent is singular, y itself is returned. ratio: next load over that of y.
-        Before the last state is made the history, the tangent is that of continued yield;
-        afterwards it is that of unloading.
+        Where its tangent is singular, the last ones are returned. Before the last state is made the
+        history, the tangent is that of continued yield; afterwards it is that of unloading.
         """
-        problem = self.problem
-        indicator = problem.indicator(y)
-        active = predict_active_set(self.system, indicator, ratio)
-        residual, step = problem.residual(y, np.where(active, indicator, 0.0)), y.duplicate()
+        indicator, step = problem.indicator(self.y), self.y.duplicate()
+        active = predict_active_set(self.system, indicator, share / self.y_share)
+        residual = problem.residual(self.y, np.where(active, indicator, 0.0))
+        preconditioner = self.system.preconditioner
         try:
-            linear.solve(problem, self.preconditioner, active, residual, step, PREDICTOR_TOLERANCE)
+            linear.solve(problem, preconditioner, active, residual, step, PREDICTOR_TOLERANCE)
         except linear.StalledError:
-            return y
-        return y - step
-
-
-def predict_active_set(system: ContactSystem, indicator: Array, ratio: float) -> Mask:
-    """Active points (n,) after the load is multiplied by a ratio: those with the highest indicator,
-    at least one of all ranks (collective).
-
-    Their area changes as in Hertz's theory: by ratio^(2/3), for a line contact by ratio^(1/2).
-    indicator: (n,) at this rank's contact points before the change of the load, MPa; positive
-        where they touch.
-    """
-    every = np.concatenate(system.comm.allgather(indicator))
-    order = np.argsort(-every)
-    area = np.cumsum(np.concatenate(system.comm.allgather(system.interface.weights))[order])
-    touching = area[np.count_nonzero(every > 0) - 1]
-    power = system.setup.kinematics.load_power
-    last = np.searchsorted(area, touching * ratio ** ((power - 1) / power))
-    return np.asarray(indicator >= every[order[min(int(last), len(order) - 1)]])
-
-
-def plastic_strain(
-    system: ContactSystem, problem: PlasticProblem, history: History
-) -> PlasticStrain:
-    """Plastic strain as tensors in space at the Gauss points of all cells of this rank, zero in
-    cells where it is not followed; history: state at the Gauss points of the others
-    (collective).
-    """
-    topology = system.bulk.space.mesh.topology
-    count = topology.index_map(topology.dim).size_local
-    cells = problem.bulk.cells
-    each = len(history.equivalent) // max(len(cells), 1) or 1
-    each = max(system.comm.allgather(each))
-    strain, equivalent = np.zeros((count, each, 3, 3)), np.zeros((count, each))
-    tensors = system.setup.kinematics.tensors(history.plastic)
-    strain[cells] = tensors.reshape(len(cells), each, 3, 3)
-    equivalent[cells] = history.equivalent.reshape(len(cells), each)
-    return PlasticStrain(strain, equivalent)
-
-
-class Response:
-    """Response of the bodies to one load case. It presses the bodies, presses them again under the
-    tangential tractions that friction finds, and unloads them. Bodies that yield are loaded in
-    steps from first yield on; elastic ones have no history.
-
-    system: contact system.
-    problem: contact problem with plastic strain; None: all bodies stay elastic.
-    stepping: load steps so far; None as long as everything stays elastic.
-    _start: plastic state at the start of the friction load step.
-    """
-
-    stepping: LoadStepping | None = None
-    _start: State
-
-    def __init__(self, system: ContactSystem, problem: PlasticProblem | None) -> None:
-        self.system, self.problem, self.path = system, problem, system.setup.load_path
-        self.start_friction_step()
-
-    def press(self, case: LoadCase) -> Solution:
-        """Frictionless solution: elastic up to first yield, then in equal load steps (collective).
-
-        The elastic von Mises stress grows with a power of the load. It is Hertz's where a second
-        elastic solution, at the first step, has it too, else that between the two solutions.
-        The elastic solution is the field `reference` of the one returned. It is returned itself,
-        without a field `plasticity`, where nothing yields or it does not converge.
-        """
-        elastic = self.system.press(case)
-        problem, path = self.problem, self.path
-        if problem is None or path is None or not elastic.newton.converged:
-            return elastic
-        worst = self._mises_over_yield(problem, elastic, case)
-        if worst <= 1:
-            return elastic
-        problem.reset_history()
-        over, start = worst**self.system.setup.kinematics.load_power, elastic
-        for _ in range(MOST_GUESSES):
-            first_yield, *up = np.linspace(1 / over, 1.0, path.steps + 1)
-            share = min(up[0], 1 / over) if up[0] == 1 else up[0]
-            active = predict_active_set(self.system, elastic.indicator, share)
-            lower = replace(case.scaled(share), active=active, tolerance=START_TOLERANCE)
-            less = self.system.press(lower)
-            start = less if up[0] < 1 else elastic
-            mises = self._mises_over_yield(problem, less, lower)
-            again = worst ** (np.log(share) / np.log(mises / worst))
-            if abs(again / over - 1) < SAME_POWER:
-                break
-            over = float(again)
-        self.stepping = stepping = LoadStepping(
-            self.system, problem, case, first_yield, start, up[0]
-        )
-        stepping.solve_load_steps(up)
-        plasticity = PlasticSolution(
-            load_over_first_yield=over,
-            newton_results=tuple(stepping.results),
-            loading_steps=len(stepping.results),
-            indentation_depth={},
-        )
-        return replace(stepping.solution, reference=elastic, plasticity=plasticity)
+            return self.y
+        return self.y - step
 
     def start_friction_step(self) -> None:
         """Mark the start of a friction load step: the present plastic state is the history from
-        which `press_again` starts; no plastic strain where pressing stayed elastic.
+        which `press_again` starts.
         """
-        if self.stepping is not None:
-            self._start = self.stepping.state
-        elif self.problem is not None:
-            self.problem.reset_history()
-            self._start = self.problem.state
+        if self.problem is not None:
+            self._start = self.state
 
     def press_again(self, solution: Solution, case: LoadCase) -> Solution:
         """Solution of the last load step again, under a load case whose force includes that of
-        tangential tractions (collective). Where pressing stayed elastic, the load case is pressed
-        as a new one, and the bodies may yield.
+        tangential tractions. Where pressing stayed elastic, the load case is pressed as a new one,
+        and the bodies may yield.
 
         It starts from the history at the start of the friction load step. It takes over reference
         and load history of `solution`, the last one.
         """
-        if self.stepping is None:
+        if not self.results:
             return self.press(case)
-        again = self.stepping.repeat(case, self._start)
-        return replace(again, reference=solution.reference, plasticity=solution.plasticity)
+        self.case, self.state = case, self._start
+        self._step(self.share)
+        return replace(self.solution, reference=solution.reference, plasticity=solution.plasticity)
 
     def plastic_shear_stress(self, points: Index, tangents: Array, normals: Array) -> Array:
         """Shear stress that plastic strain takes, 2 mu t . eps_p . n (p, k), MPa, in the last
@@ -345,40 +219,39 @@ class Response:
         tangents: unit tangents t (p, k, c).
         normals: unit normals n (p, c).
         """
-        kinematics = self.system.setup.kinematics
         if self.problem is None:
             return np.zeros(tangents.shape[:2])
-        strain = kinematics.tensors(self.problem.state[1].plastic[points])
-        along = kinematics.in_space(tangents)
-        shear = np.einsum("pkc,pcd,pd->pk", along, strain, kinematics.in_space(normals))
-        return np.asarray(2 * self.problem.surface.mu[points, None] * shear)
+        dyads, shear = self.system.setup.kinematics.dyads, np.zeros(tangents.shape[:2])
+        plastic = self.problem.state[1].plastic[points]
+        for way in range(tangents.shape[1]):
+            strain = np.einsum("pm,pm->p", dyads(tangents[:, way], normals), plastic)
+            shear[:, way] = 2 * self.problem.surface.mu[points] * strain
+        return shear
 
     def unload(self, solution: Solution) -> Solution:
-        """The solution with its residual state, where the load path has one (collective). Up to ten
-        times (UNLOADED_AT_ONCE) first yield the bodies are separated at once; beyond, the load is
-        first lowered to 0.95 and 0.85 (UNLOADING). Where that fails, the residual state is that of
-        the failed step, with the bodies in contact.
+        """The solution with its residual state, where the load path has one. Up to ten times
+        (UNLOADED_AT_ONCE) first yield the bodies are separated at once; beyond, the load is first
+        lowered to 0.95 and 0.85 (UNLOADING). Where that fails, the residual state is that of the
+        failed step, with the bodies in contact.
 
         Without unloading in the load path, and where nothing yielded or the solution did not
         converge, the solution itself.
         """
-        plasticity, stepping, path = solution.plasticity, self.stepping, self.path
-        if not (plasticity and stepping and path and path.unload and solution.newton.converged):
+        plasticity, problem, path = solution.plasticity, self.problem, self.path
+        if not (plasticity and problem and path and path.unload and solution.newton.converged):
             return solution
-        force = stepping.problem.contact_force(stepping.solution.pressure)
+        force = problem.contact_force(self.solution.pressure)
         at_once = plasticity.load_over_first_yield <= UNLOADED_AT_ONCE
-        if at_once or stepping.solve_load_steps(UNLOADING).converged:
-            start = solution.newton.y
+        if at_once or newton.in_steps(UNLOADING, self.share, self._step):
+            self.problem, self.y = problem.separated(force), solution.newton.y
             if solution.reference is not None:  # begin with what yield adds to the elastic solution
-                start = start - solution.reference.newton.y
-            stepping.separate(force, start)
-            stepping.solve_load_steps([0.0])
-        residual = stepping.solution
+                self.y = self.y - solution.reference.newton.y
+            newton.in_steps([0.0], self.share, self._step)
         plasticity = replace(
             plasticity,
-            newton_results=tuple(stepping.results),
-            residual_state=residual,
-            indentation_depth=indentation_depth(self.system, residual, solution.pressure),
+            newton_results=tuple(self.results),
+            residual_state=self.solution,
+            indentation_depth=indentation_depth(self.system, self.solution, solution.pressure),
         )
         return replace(solution, plasticity=plasticity)
 
@@ -421,6 +294,40 @@ def plastic_problem(system: ContactSystem, path: LoadPath) -> PlasticProblem:
         ),
         normal_dyads=system.setup.kinematics.dyads(*[system.interface.normals] * 2),
     )
+
+
+def predict_active_set(system: ContactSystem, indicator: Array, ratio: float) -> Mask:
+    """Active points (n,) after the load is multiplied by a ratio: those with the highest indicator,
+    at least one of all ranks (collective).
+
+    Their area changes as in Hertz's theory: by ratio^(2/3), for a line contact by ratio^(1/2).
+    indicator: (n,) at this rank's contact points before the change of the load, MPa; positive
+        where they touch.
+    """
+    every = np.concatenate(system.comm.allgather(indicator))
+    order = np.argsort(-every)
+    area = np.cumsum(np.concatenate(system.comm.allgather(system.interface.weights))[order])
+    touching = area[np.count_nonzero(every > 0) - 1]
+    power = system.setup.kinematics.load_power
+    last = np.searchsorted(area, touching * ratio ** ((power - 1) / power))
+    return np.asarray(indicator >= every[order[min(int(last), len(order) - 1)]])
+
+
+def plastic_strain(
+    system: ContactSystem, problem: PlasticProblem, history: History
+) -> PlasticStrain:
+    """Plastic strain as tensors in space at the Gauss points of all cells of this rank, zero in
+    cells where it is not followed; history: state at the Gauss points of the others
+    (collective).
+    """
+    count, cells = len(CellSet.owned(system.bulk)), problem.bulk.cells
+    each = len(history.equivalent) // max(len(cells), 1) or 1
+    each = max(system.comm.allgather(each))
+    strain, equivalent = np.zeros((count, each, 3, 3)), np.zeros((count, each))
+    tensors = system.setup.kinematics.tensors(history.plastic)
+    strain[cells] = tensors.reshape(len(cells), each, 3, 3)
+    equivalent[cells] = history.equivalent.reshape(len(cells), each)
+    return PlasticStrain(strain, equivalent)
 
 
 def indentation_depth(

@@ -11,7 +11,7 @@ no matrix is assembled again.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from mpi4py import MPI
@@ -106,17 +106,21 @@ class PlasticProblem(ContactProblem):
     bulk: Gauss points of the bodies that yield.
     surface: the n contact points; no group of them yields where the slave stays elastic.
     normal_dyads: dyads n x n of the normals (n, m) at the contact points, in Mandel's notation.
+    apart: whether the bodies are separated, so that no point touches.
     """
 
     bulk: YieldPoints
     surface: YieldPoints
     normal_dyads: Array
+    apart: bool = False
     tangent_depends_on_state: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
-        """Start with the histories of the points as their states, and without operators of yielding
-        points.
-        """
+        """Start with the histories of the points as their states."""
+        self.freeze()
+
+    def freeze(self) -> None:
+        """Make the histories of the points their states, in which none yields."""
         nothing = TangentReduction.none(self.normal_dyads.shape[1])
         self._bulk, self._surface = (self.bulk.history, nothing), (self.surface.history, nothing)
         self._yielding_operators: tuple[PETSc.Mat, PETSc.Mat] | None = None
@@ -137,8 +141,21 @@ class PlasticProblem(ContactProblem):
         """
         self._bulk, self._surface = self.bulk.return_mapping(y), self.surface.return_mapping(y)
         self._yielding_operators = None
+        if self.apart:
+            return np.full(len(self.area), -1.0)
+        return self.linear_indicator(y)
+
+    def linear_indicator(self, y: PETSc.Vec) -> Array:
+        """Indicator (n,), MPa, at the free unknowns y while plastic strain stays as it is."""
         plastic = self.plastic_normal_stress(self._surface[0].plastic)
-        return super().indicator(y) + self.law.sigma * plastic
+        return super().linear_indicator(y) + self.law.sigma * plastic
+
+    def predictor(self, active: Mask) -> PETSc.Vec:
+        """Right-hand side, N, of the linear problem in which the active points (n,) touch and
+        plastic strain is that of the history; its tangent is elastic.
+        """
+        self.freeze()
+        return super().predictor(active)
 
     def plastic_normal_stress(self, plastic: Array) -> Array:
         """Normal stress that plastic strain takes, t = 2 mu n . eps_p . n (n,), MPa, from plastic
@@ -170,7 +187,20 @@ class PlasticProblem(ContactProblem):
         for points in (self.bulk, self.surface):
             count, size = points.prescribed_strain.shape
             points.history = History.virgin(count, size, points.history.back.shape[1])
-        self.__post_init__()
+        self.freeze()
+
+    def contact_force(self, pressure: Array) -> float:
+        """Force that the residual is divided by, N: that of the pressure (n,), MPa; of separated
+        bodies the reference force.
+        """
+        return self.reference_force if self.apart else super().contact_force(pressure)
+
+    def separated(self, reference_force: float) -> Self:
+        """These equations without contact; matrices and histories are shared. Nothing resists the
+        approach then, so a spring holds it. reference_force: as the field.
+        """
+        stiffness = self.stiffness.pinned(self.stiffness.typical)
+        return replace(self, stiffness=stiffness, reference_force=reference_force, apart=True)
 
     @property
     def state(self) -> State:

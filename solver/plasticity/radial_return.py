@@ -71,16 +71,21 @@ class History:
         return np.asarray(_norm(elastic - self.back.sum(axis=1)) - radius)
 
     def run_ahead(self, factor: Array, plastic: Array, equivalent: Array) -> None:
-        """Move plastic strains on by factors (n,) of their last changes (n, m) and (n,). Back
-        stresses follow in `radial_return`.
+        """Add to the plastic strain of each point a multiple of its last change, as a start for the
+        radial return of the next step (BDF2). Back stresses stay: the radial return moves them.
+
+        factor: the multiple (n,). plastic, equivalent: last changes of plastic strain (n, m) and of
+            equivalent plastic strain (n,).
         """
         self.ahead[:], self.equivalent_ahead[:] = factor[:, None] * plastic, factor * equivalent
         self.plastic[:] += self.ahead
         self.equivalent[:] += self.equivalent_ahead
 
     def extrapolated(self, earlier: History, factor: float, points: Index) -> History:
-        """This state, run ahead by `factor` times its change since an earlier one at the points
-        with the given numbers (k,).
+        """A copy of this state in which some points have run ahead, see `run_ahead`.
+
+        earlier: state of the same points one load step before. factor: multiple of the change since
+            then. points: numbers (k,) of the points that run ahead.
         """
         out, factors = self.at(np.arange(len(self.plastic))), np.zeros(len(self.plastic))
         factors[points] = factor

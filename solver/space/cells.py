@@ -154,6 +154,16 @@ class CellSet:
             **own,
         )
 
+    @classmethod
+    def owned(cls, bulk: Bulk) -> Self:
+        """Set of the cells that belong to this rank, without those that it shares as ghosts."""
+        topology = bulk.space.mesh.topology
+        return cls.of(bulk, np.arange(topology.index_map(topology.dim).size_local))
+
+    def tags(self, cell_tags: Any) -> Index:
+        """Tag of each cell (m,), from MeshTags in which each cell has one."""
+        return np.asarray(cell_tags.values[np.searchsorted(cell_tags.indices, self.numbers)])
+
     def __len__(self) -> int:
         """Number m of cells."""
         return len(self.nodes)

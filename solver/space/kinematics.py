@@ -121,15 +121,17 @@ class Kinematics:
         return out
 
     def measure(self, points: Array) -> Array:
-        """Factor (n,) from volume or area in the mesh, at points (n, d) in mm, to that of the body:
-        the thickness in mm, or 2 pi r in mm for a revolved section, or 1 for a solid.
+        """Volume of the body over the volume of the mesh, which is an area in a section, at points
+        (n, d), mm; surfaces of the body and of the mesh have the same factor (n,). It is 1 in a
+        solid, the thickness of a plane section, and 2 pi r in a revolved one, mm.
         """
         if self.revolved:
             return np.asarray(2 * np.pi * points[..., 0])
         return np.full(points.shape[:-1], self.thickness)
 
     def divergence(self, value: Array, gradient: Array, points: Array) -> Array:
-        """Trace of the strain (..., k, d), 1/mm, of k basis functions times each unit vector.
+        """Trace of the strain (..., k, d), 1/mm, of the displacements that are one of k basis
+        functions along one of the d coordinates.
 
         value: values of the basis functions (..., k).
         gradient: their gradients (..., k, d), 1/mm.

@@ -65,12 +65,14 @@ def assemble_rows(
 def assemble_strains(
     cells: CellSet, index: Index, reference: Array, local: int, comm: MPI.Intracomm
 ) -> tuple[PETSc.Mat, int]:
-    """Matrix from displacements to the strains at n reference points, 1/mm, and the number m of
-    strain components (collective).
+    """Distributed matrix that takes the displacement at all dofs, mm, to the strains at n points of
+    this rank, and the number m of strain components at a point (collective).
 
-    cells: set of cells. index: cell of each point (n,). reference: reference coordinates (n, c).
+    cells: cells that the points lie in. index: number of the cell of each point in that set (n,).
+    reference: coordinates (n, c) of the points in the reference cell.
     local: number of dofs that this rank owns.
-    Each point has m rows, in Mandel's notation and in the order of `CellSet.strains`.
+    Rows n m of this rank: the m components of a point follow each other, in Mandel's notation and
+    in the order of `CellSet.strains`.
     """
     values = cells.strains(index, reference)
     count, size = values.shape[:2]

@@ -214,19 +214,58 @@ class ContactSystem:
                 values[mask] = kinematics.flatten(field(side.tag, points[mask]))
         return values
 
-    def press(self, case: LoadCase) -> Solution:
-        """Solution of a load case with elastic bodies and without friction, converged or not
-        (collective).
+    def press(
+        self,
+        case: LoadCase,
+        problem: ContactProblem | None = None,
+        begin: Callable[[], PETSc.Vec] | None = None,
+    ) -> Solution:
+        """Solution of a load case without friction, converged or not (collective).
+
+        problem: its equations, which take over the loads; None: those of elastic bodies.
+        begin: gives the free unknowns to start from, once the problem has its loads; None: exactly
+            the active points of the case touch at the start, and softer contact laws are solved
+            first, up to that of the problem.
+        A solve whose linear solves fail is repeated with a factorisation. The history holds the
+        steps of all solves.
         """
-        prescribed = self.apply(self.problem, case)
-        if not self.comm.allreduce(int(case.active.sum())):
-            case = replace(case, active=self.interface.nearest(np.zeros(len(case.active))))
-        return self.solution(self.problem, self._newton(case), prescribed, case)
+        problem = self.problem if problem is None else problem
+        prescribed = self.apply(problem, case)
+        history: list[newton.NewtonStep] = []
+        active, start = case.active, begin and begin()
+        if not self.comm.allreduce(int(active.sum())):
+            active = self.interface.nearest(np.zeros(len(active)))
+        for law in problem.law.stages if start is None else [problem.law]:
+            last = law == problem.law
+            solved = problem if last else problem.with_law(law)
+            kept = last and problem.stiffness is self.problem.stiffness
+            preconditioner = self.preconditioner if kept else self.new_preconditioner(solved)
+            while True:
+                result = newton.solve(
+                    solved,
+                    preconditioner,
+                    active,
+                    start,
+                    rtol=(case.tolerance or self.setup.tolerance) if last else STAGE_TOLERANCE,
+                    max_steps=case.max_steps,
+                    progress=case.progress,
+                )
+                history += result.history
+                if not result.stalled or isinstance(preconditioner, linear.Direct):
+                    break
+                preconditioner = linear.Direct(solved)
+                if kept:
+                    self.preconditioner = preconditioner
+            active, start = result.pressure > 0, result.y if result.converged else None
+            compat.collect(self.comm)
+        if result.converged:
+            self.balance(problem, result)
+        return self.solution(problem, replace(result, history=history), prescribed, case)
 
     def apply(self, problem: ContactProblem, case: LoadCase) -> PETSc.Vec:
-        """Set the forces of a contact problem, and its gap and normal stress at zero free unknowns,
-        to those of a load case; nothing is solved. The result is the prescribed displacement u0 on
-        all dofs, mm (collective).
+        """Set the forces of a contact problem, and its gap, stress and strains at zero free
+        unknowns, to those of a load case; nothing is solved. The result is the prescribed
+        displacement u0 on all dofs, mm (collective).
         """
         setup, prescribed = self.setup, self.prescribed(case)
         force = self.reactions.forces(prescribed)
@@ -238,6 +277,7 @@ class ContactSystem:
             problem.force.array[self.reduction.approach] += case.load / setup.parts
         problem.start_stress = (self.interface.stress * prescribed).array.copy()
         problem.start_gap = self.gaps(prescribed, 0.0 if setup.load_control else case.approach)
+        problem.set_prescribed_strain(prescribed)
         return prescribed
 
     def solution(
@@ -272,42 +312,6 @@ class ContactSystem:
             penetration=float(self.comm.allreduce(overlap, op=MPI.MAX)),
             newton=result,
         )
-
-    def _newton(self, case: LoadCase) -> newton.NewtonResult:
-        """Result of Newton's method for a load case that `apply` wrote before (collective).
-
-        Softer contact laws are solved first, up to the law of the setup. A stage whose linear
-        solves fail is solved again with a factorisation. The history holds the steps of all stages.
-        """
-        history: list[newton.NewtonStep] = []
-        active = case.active
-        result: newton.NewtonResult | None = None
-        for law in self.problem.law.stages:
-            last = law == self.problem.law
-            problem = self.problem if last else self.problem.with_law(law)
-            preconditioner = self.preconditioner if last else self.new_preconditioner(problem)
-            while True:
-                result = newton.solve(
-                    problem,
-                    preconditioner,
-                    active,
-                    result.y if result and result.converged else None,
-                    rtol=(case.tolerance or self.setup.tolerance) if last else STAGE_TOLERANCE,
-                    max_steps=case.max_steps,
-                    progress=case.progress,
-                )
-                history += result.history
-                if not result.stalled or isinstance(preconditioner, linear.Direct):
-                    break
-                preconditioner = linear.Direct(problem)
-                if last:
-                    self.preconditioner = preconditioner
-            active = result.pressure > 0
-            compat.collect(self.comm)
-        assert result is not None
-        if result.converged:
-            self.balance(self.problem, result)
-        return replace(result, history=history)
 
     def balance(self, problem: ContactProblem, result: newton.NewtonResult) -> None:
         """Add translations of the bodies along the approach to the state of a result, in place, so

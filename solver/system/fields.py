@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhead.solver import compat
+from railhead.solver.space.cells import CellSet
 from railhead.solver.space.facets import FacetSet, facet_closure
 from railhead.solver.space.kinematics import SOLID, Kinematics
 from railhead.solver.system.contact_system import ContactSystem
@@ -93,17 +94,7 @@ def gather(model: ContactSystem, solution: Solution) -> Fields | None:
     """Collect the fields of a solution from all ranks on rank 0; returns None on the other ranks
     (collective).
     """
-    comm, space = model.comm, model.bulk.space
-    topology = space.mesh.topology
-    own_cells = topology.index_map(topology.dim).size_local
-    to_global = space.dofmap.index_map.local_to_global
-    cell_dofs = compat.cell_dofs(space)[:own_cells]
-    cells = np.asarray(to_global(cell_dofs.reshape(-1).astype(np.int32))).reshape(cell_dofs.shape)
-    body = np.zeros(own_cells, dtype=np.int64)
-    for side in (model.setup.fixed, model.setup.moving):
-        members = model.cell_tags.find(side.tag)
-        body[members[members < own_cells]] = side.tag
-
+    comm, cells = model.comm, CellSet.owned(model.bulk)
     interface, kinematics = model.interface, model.setup.kinematics
     gap = model.gaps(solution.displacement, solution.approach)
     offset = comm.exscan(len(interface.slave)) or 0
@@ -115,11 +106,11 @@ def gather(model: ContactSystem, solution: Solution) -> Fields | None:
         }
 
     nodal = collected(
-        points=kinematics.lift(compat.dof_points(space)),
+        points=kinematics.lift(compat.dof_points(model.bulk.space)),
         displacement=kinematics.in_space(solution.displacement.array.reshape(-1, kinematics.dim)),
-        cells=cells.astype(np.int64),
-        body=body,
-        lame=model.bulk.lame[:own_cells],
+        cells=cells.dofs,
+        body=cells.tags(model.cell_tags).astype(np.int64),
+        lame=cells.lame,
     )
     contact = collected(
         points=kinematics.lift(interface.points),
@@ -140,7 +131,7 @@ def gather(model: ContactSystem, solution: Solution) -> Fields | None:
         return None
     return Fields(
         **nodal,
-        cell=compat.cell_type(space.mesh),
+        cell=cells.cell,
         degree=model.setup.degree,
         slave=model.setup.slave,
         mirrors=tuple(normal for _, normal in model.setup.planes),

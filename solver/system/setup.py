@@ -50,8 +50,9 @@ class LoadPath:
 
     steps: number of equal load steps from first yield up to the load.
     unload: whether the load is removed at the end, so that the residual state is computed.
-    near: centroids of cells in space (n, 3) mm -> (n,) whether plastic strain is followed in the
-        cell. It is followed at all contact points of a slave that may yield.
+    near: function that says in which cells plastic strain is followed: from their centroids in
+        space (n, 3), mm, to True or False of each (n,). Cells for which it is False stay elastic.
+        At contact points it is always followed if the slave has a flow curve.
     """
 
     steps: int
@@ -198,8 +199,8 @@ class Setup:
 
     @property
     def material_pair(self) -> MaterialPair:
-        """Combined constants of both materials, the moving one as the wheel's, for tangential
-        contact.
+        """Combined elastic constants of both bodies for tangential contact of half-spaces; the
+        moving body is the wheel.
         """
         moving, fixed = self.moving.material, self.fixed.material
         return tangential.pair(
@@ -207,8 +208,8 @@ class Setup:
         )
 
     def exact(self, points: Array) -> tuple[Array, Array]:
-        """`gap`, from points (n, c) and with normals (n, c) in the c coordinates of the mesh; where
-        it is not finite, it is infinite.
+        """The function `gap` in the c coordinates of the mesh: gap (n,), mm, and outward normals
+        (n, c) of the slave at points (n, c). The gap is infinite where there is none.
         """
         gap, normals = self.gap(self.kinematics.lift(points))
         return np.where(np.isfinite(gap), gap, np.inf), self.kinematics.flatten(normals)
