@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from railhead.solver.friction.history import FrictionHistory
-from railhead.solver.plasticity.load_stepping import Response, plastic_problem
 from railhead.solver.system.contact_system import ContactSystem, LoadCase
+from railhead.solver.system.friction_history import FrictionHistory
+from railhead.solver.system.load_stepping import Response, plastic_problem
 from railhead.solver.system.setup import Setup
 from railhead.solver.system.solution import Solution
 from railhead.theory.array_types import Mask

@@ -24,13 +24,13 @@ from railhead.postprocess.patch.patch import SmoothPatch, smooth_patches
 from railhead.scene.scene import SceneError
 from railhead.solver.algebra.linear import StalledError
 from railhead.solver.contact import ContactModel, condensed_friction
-from railhead.solver.friction.pressed_surfaces import (
+from railhead.solver.system.contact_system import LoadCase
+from railhead.solver.system.fields import Fields, gather
+from railhead.solver.system.load_stepping import Response
+from railhead.solver.system.pressed_surfaces import (
     SurfacePoints,
     SurfaceResponse,
 )
-from railhead.solver.plasticity.load_stepping import Response
-from railhead.solver.system.contact_system import LoadCase
-from railhead.solver.system.fields import Fields, gather
 from railhead.solver.system.solution import Solution
 from railhead.theory.array_types import Array
 from railhead.theory.friction.rolling import (

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from petsc4py import PETSc
 
+from railhead.solver.algebra.coulomb import projected
 from railhead.solver.algebra.newton import NewtonResult, NewtonStep
 from railhead.solver.algebra.reduced_stiffness import DIFFERENT
-from railhead.solver.friction.coulomb import projected
 from railhead.solver.plasticity.plastic_problem import PlasticProblem
 from railhead.solver.plasticity.radial_return import History
 from railhead.solver.space.contact_interface import Interface

@@ -24,7 +24,7 @@ from railhead.run import estimates, mesh_solution
 from railhead.run.progress import Progress
 from railhead.scene import quantities
 from railhead.solver.algebra import linear
-from railhead.solver.plasticity import load_stepping
+from railhead.solver.system import load_stepping
 
 REFERENCE = json.loads(
     (Path(__file__).parents[1] / "rooms" / "theory" / "data" / "plasticity.json").read_text()

@@ -14,7 +14,7 @@ from solved import assembled, draw_only, friction, passed, solved
 import railhead as rh
 from railhead.planning import simulation_plan as planning
 from railhead.run import mesh_solution
-from railhead.solver.friction.pressed_surfaces import surface_tangents
+from railhead.solver.system.pressed_surfaces import surface_tangents
 from railhead.sweeps import sweep_table
 from railhead.theory.friction import partial_slip
 

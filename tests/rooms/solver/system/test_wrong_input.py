@@ -9,11 +9,11 @@ from boxes import LOWER, UPPER, two_boxes
 from dolfinx.mesh import meshtags
 
 from railhead.solver.contact import ContactModel
-from railhead.solver.friction.pressed_surfaces import surface_tangents
 from railhead.solver.material import Material
 from railhead.solver.space.cells import Bulk, CellSet
 from railhead.solver.space.facets import FacetSet
 from railhead.solver.space.kinematics import Kinematics
+from railhead.solver.system.pressed_surfaces import surface_tangents
 from railhead.solver.system.setup import ContactBody, FrictionSettings, Setup
 
 STEEL = Material(207000.0, 0.3)

@@ -20,8 +20,8 @@ So S_t u0, which is the mesh's error, is left out of q, and G u0 takes symmetric
 two edges, whose noise is a seventh.
 """
 
-from dataclasses import dataclass, replace
-from typing import TypeVar
+from dataclasses import replace
+from typing import Any, TypeVar
 
 import numpy as np
 import scipy.sparse as sp
@@ -29,13 +29,14 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from railhead.solver import compat
-from railhead.solver.algebra.linear import factorise
+from railhead.solver.algebra.coulomb import ContactCompliance
+from railhead.solver.algebra.linear import Direct
 from railhead.solver.algebra.reduced_stiffness import DIFFERENT
-from railhead.solver.friction.pressed_surfaces import PressedSurfaces, surface_tangents
-from railhead.solver.plasticity.load_stepping import Response
 from railhead.solver.space.facets import pair
 from railhead.solver.space.operators import select_rows, transposed, vector
 from railhead.solver.system.contact_system import ContactSystem
+from railhead.solver.system.load_stepping import Response
+from railhead.solver.system.pressed_surfaces import PressedSurfaces, surface_tangents
 from railhead.solver.system.setup import FrictionSettings
 from railhead.solver.system.solution import Solution
 from railhead.theory.array_types import Array, Mask
@@ -46,68 +47,6 @@ STEP_PER_EDGE = 0.5  # d over the length of the elements' edges
 COLUMNS_AT_ONCE = 256  # right-hand sides that are solved together
 
 Entry = TypeVar("Entry", bound=np.generic)
-
-
-@dataclass(frozen=True, kw_only=True)
-class ContactCompliance:
-    """Response of n contact points of all ranks to m components of tractions at nodes of the slave,
-    the same on every rank.
-
-    The points lie on facets of which some point touches, and each has k tangents. The tractions
-    (MPa) are those of the wheel on the rail, k components a node along the same tangents.
-    Compliances are derivatives by them. The last four fields belong to the solution that the
-    response is linearised around, without the effect of tractions.
-
-    points: position in space (n, 3), mm.
-    area: area of each point (n,) in the whole model, mm2.
-    tangents: (n, k, 3) unit vectors in space: in a solid along the rail and across it, in a section
-        along the section; see `surface_tangents`.
-    tau: parameter of the contact law (n,), MPa/mm.
-    step: distance d of the upstream differences for rolling, mm; 1 for a shift.
-    shape_functions: F (n k, m), tractions at the points per traction at a node.
-    trial_compliance: D (n k, m), trial traction per nodal traction.
-    displacement_compliance: D_g (n k, m), relative displacement per nodal traction, mm/MPa.
-    pressure_compliance: D_p (n, m), pressure per nodal traction.
-    active: (n,) whether a point touches.
-    trial_traction: q0 (n, k), MPa, without the error of the mesh.
-    displacement: g0 (n, k), tangential displacement of the wheel relative to the rail, mm; when
-        rolling, -d times its derivative along x.
-    pressure: p0 (n,), MPa, also where it is negative.
-    """
-
-    points: Array
-    area: Array
-    tangents: Array
-    tau: Array
-    step: float
-    shape_functions: sp.csr_matrix
-    trial_compliance: Array
-    displacement_compliance: Array
-    pressure_compliance: Array
-    active: Mask
-    trial_traction: Array
-    displacement: Array
-    pressure: Array
-
-    def in_space(self, values: Array) -> Array:
-        """Vectors in space (n, 3) from their components along the tangents of the n points (n,
-        k).
-        """
-        return np.asarray(np.einsum("nk,nkc->nc", values, self.tangents))
-
-    def largest_bound(self, coefficient: Array) -> float:
-        """Largest limit of the traction, mu p, at the active points, MPa; coefficient: of friction,
-        mu (n,).
-        """
-        return float((coefficient * self.pressure)[self.active].max())
-
-    def force(self, axis: Array) -> Array:
-        """Derivatives (m,) of the resultant of the tractions by each nodal traction, N/MPa, in the
-        whole model; axis: unit vector in space (3,) along which the resultant counts. Points that
-        do not touch count, too.
-        """
-        share = self.area[:, None] * (self.tangents @ axis)
-        return np.asarray(self.shape_functions.T @ share.ravel())
 
 
 class StaticCondensation(PressedSurfaces):
@@ -122,8 +61,7 @@ class StaticCondensation(PressedSurfaces):
     face: these points, with tangents along the rail and across it.
     rows: slice of this rank's rows among those of all ranks.
     step: distance d of the upstream differences, mm; 1 for a shift.
-    tangent: tangent stiffness A of the free unknowns, N/mm.
-    pc: factorisation of A.
+    pc: factorisation of the tangent stiffness A of the free unknowns.
     jump: matrix J on all dofs of the tangential jump t . (u_wheel - u_rail).
     change: matrix G on all dofs: J or, when rolling, -d times its upstream derivative along x.
     trial: matrix on all dofs of the trial traction, MPa/mm: sign times the slave's shear stress,
@@ -148,10 +86,9 @@ class StaticCondensation(PressedSurfaces):
         before = self.size * (self.comm.exscan(len(self.own)) or 0)
         self.rows = slice(before, before + self.size * len(self.own))
         self.step = STEP_PER_EDGE * self.edge if settings.rolling else 1.0
-        self.tangent = system.problem.assembled_tangent(self.active)
-        self.pc = PETSc.PC().create(self.comm)
-        self.pc.setOperators(self.tangent)
-        factorise(self.pc, system.problem.law.symmetric)
+        direct = Direct(system.problem)
+        direct.rebuild(self.active)
+        self.pc: Any = direct.pc
         self.jump = self._jump(0.0)
         self.change = self._relative_change()
         tau = np.repeat(system.problem.tau[self.own], self.size)

@@ -5,7 +5,7 @@ and Hild in the tangent plane)
 
     lambda = projection of q + tau s on the disc of radius mu p,   c = F^+ lambda
 
-q, p and F are those of `solver.friction.condensation`, s is the rigid slip (times d when rolling),
+q, p and F are those of `solver.system.condensation`, s is the rigid slip (times d when rolling),
 and F^+ the L2 projection on the nodes. Tractions inside the disc stick, those on its border slip.
 Semismooth Newton's method starts where all points stick, and no point crosses the disc in one step:
 one that would slip the other way round sticks for a step. Without these two rules it does not
@@ -19,8 +19,7 @@ import scipy.linalg
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from railhead.solver.friction.condensation import ContactCompliance
-from railhead.theory.array_types import Array
+from railhead.theory.array_types import Array, Mask
 
 NEWTON_STEPS = 60
 TOLERANCE = 1e-8  # change of the tractions over the largest mu p; missing force over mu times load
@@ -48,6 +47,68 @@ def projected(
     unit = np.where(slips[:, None], trial / size[:, None], 0.0)
     across = np.eye(trial.shape[1]) - unit[:, :, None] * unit[:, None, :]
     return share[:, None] * trial, share[:, None, None] * across, unit, slips
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContactCompliance:
+    """Response of n contact points of all ranks to m components of tractions at nodes of the slave,
+    the same on every rank.
+
+    The points lie on facets of which some point touches, and each has k tangents. The tractions
+    (MPa) are those of the wheel on the rail, k components a node along the same tangents.
+    Compliances are derivatives by them. The last four fields belong to the solution that the
+    response is linearised around, without the effect of tractions.
+
+    points: position in space (n, 3), mm.
+    area: area of each point (n,) in the whole model, mm2.
+    tangents: (n, k, 3) unit vectors in space: in a solid along the rail and across it, in a section
+        along the section.
+    tau: parameter of the contact law (n,), MPa/mm.
+    step: distance d of the upstream differences for rolling, mm; 1 for a shift.
+    shape_functions: F (n k, m), tractions at the points per traction at a node.
+    trial_compliance: D (n k, m), trial traction per nodal traction.
+    displacement_compliance: D_g (n k, m), relative displacement per nodal traction, mm/MPa.
+    pressure_compliance: D_p (n, m), pressure per nodal traction.
+    active: (n,) whether a point touches.
+    trial_traction: q0 (n, k), MPa, without the error of the mesh.
+    displacement: g0 (n, k), tangential displacement of the wheel relative to the rail, mm; when
+        rolling, -d times its derivative along x.
+    pressure: p0 (n,), MPa, also where it is negative.
+    """
+
+    points: Array
+    area: Array
+    tangents: Array
+    tau: Array
+    step: float
+    shape_functions: sp.csr_matrix
+    trial_compliance: Array
+    displacement_compliance: Array
+    pressure_compliance: Array
+    active: Mask
+    trial_traction: Array
+    displacement: Array
+    pressure: Array
+
+    def in_space(self, values: Array) -> Array:
+        """Vectors in space (n, 3) from their components along the tangents of the n points (n,
+        k).
+        """
+        return np.asarray(np.einsum("nk,nkc->nc", values, self.tangents))
+
+    def largest_bound(self, coefficient: Array) -> float:
+        """Largest limit of the traction, mu p, at the active points, MPa; coefficient: of friction,
+        mu (n,).
+        """
+        return float((coefficient * self.pressure)[self.active].max())
+
+    def force(self, axis: Array) -> Array:
+        """Derivatives (m,) of the resultant of the tractions by each nodal traction, N/MPa, in the
+        whole model; axis: unit vector in space (3,) along which the resultant counts. Points that
+        do not touch count, too.
+        """
+        share = self.area[:, None] * (self.tangents @ axis)
+        return np.asarray(self.shape_functions.T @ share.ravel())
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from railhead.solver.friction.condensation import ContactCompliance
-from railhead.solver.friction.coulomb import CoulombContact
+from railhead.solver.algebra.coulomb import ContactCompliance, CoulombContact
 
 N, M, MU = 12, 8, 0.3  # points, unknown tractions
 

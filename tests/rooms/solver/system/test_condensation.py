@@ -7,7 +7,8 @@ from mpi4py import MPI
 from railhead.planning import simulation_plan as planning
 from railhead.run import mesh_solution
 from railhead.scene import catalogue
-from railhead.solver.friction.condensation import ContactCompliance, StaticCondensation
+from railhead.solver.algebra.coulomb import ContactCompliance
+from railhead.solver.system.condensation import StaticCondensation
 from railhead.solver.system.contact_system import LoadCase
 
 

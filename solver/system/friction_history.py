@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from railhead.solver.algebra.coulomb import TINY, CoulombContact, TangentialState
 from railhead.solver.algebra.mixing import Anderson
-from railhead.solver.friction.condensation import StaticCondensation
-from railhead.solver.friction.coulomb import TINY, CoulombContact, TangentialState
-from railhead.solver.plasticity.load_stepping import Response
+from railhead.solver.system.condensation import StaticCondensation
 from railhead.solver.system.contact_system import ContactSystem, LoadCase
+from railhead.solver.system.load_stepping import Response
 from railhead.solver.system.setup import FrictionSettings
 from railhead.solver.system.solution import Solution
 from railhead.theory.array_types import Array, Mask

@@ -221,12 +221,10 @@ class Response:
         """
         if self.problem is None:
             return np.zeros(tangents.shape[:2])
-        dyads, shear = self.system.setup.kinematics.dyads, np.zeros(tangents.shape[:2])
-        plastic = self.problem.state[1].plastic[points]
-        for way in range(tangents.shape[1]):
-            strain = np.einsum("pm,pm->p", dyads(tangents[:, way], normals), plastic)
-            shear[:, way] = 2 * self.problem.surface.mu[points] * strain
-        return shear
+        plastic, mu = self.problem.state[1].plastic[points], self.problem.surface.mu[points]
+        ways, dyads = np.moveaxis(tangents, 1, 0), self.system.setup.kinematics.dyads
+        strain = [np.einsum("pm,pm->p", dyads(way, normals), plastic) for way in ways]
+        return np.asarray(2 * mu[:, None] * np.transpose(strain))
 
     def unload(self, solution: Solution) -> Solution:
         """The solution with its residual state, where the load path has one. Up to ten times

@@ -1,1 +1,0 @@
-"""Tangential tractions of a pressed contact by Coulomb's law, and what they displace."""
