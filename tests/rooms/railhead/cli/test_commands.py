@@ -277,6 +277,15 @@ def test_what_a_command_printed_is_printed_again_and_compared(kind, tmp_path, ca
     assert "or a broken one" in command.refused(capsys, "show", out)
 
 
+def test_show_says_which_checks_failed(tmp_path, capsys) -> None:
+    """It said what was found, and nothing of its checks."""
+    fast, out = ("--fast", "--no-pictures", "--set", "load=6MN"), str(tmp_path / "out")
+    assert command.status("run", "hertz_ellipse", *fast, "--out", out) == 1
+    assert "CHECK FAILED: pressure_of_steel" in capsys.readouterr().err
+    assert command.status("show", out) == 0
+    assert capsys.readouterr().err.startswith("CHECK FAILED: pressure_of_steel")
+
+
 def test_two_conicities_are_in_one_picture(tmp_path, capsys) -> None:
     """Each wheel's own: of a cone 1:40 the numbers are its slope."""
     a, b, c = (str(tmp_path / name) for name in "abc")
