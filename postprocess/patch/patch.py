@@ -365,7 +365,8 @@ def smooth_square(
 
     Up to a shape error of 1 % (ELLIPTIC) p^2 is that of Hertz's ellipsoid. From 2 % (HERTZIAN) on,
     in sections that yield, and where unlike materials rub, it is reconstructed from the moments of
-    the pressure. Between the two it is their weighted mean. The peak of bodies that yield is always
+    the pressure. Between the two it is their weighted mean, and the standard deviation of both
+    under these weights is a part of its uncertainty. The peak of bodies that yield is always
     the reconstructed one: yield lowers it before the moments show it. At 1.6 times the load of
     first yield an ellipsoid's is 0.8 % too high. Where unlike materials rub it is `sharp_peak`.
     given: contact points with pressure. shape_error: relative deviation of the moments from those
@@ -388,8 +389,13 @@ def smooth_square(
     mean = share * square.coefficients + (1 - share) * ellipse.coefficients
     mixed = replace(square, coefficients=mean)
     shape = measure(mixed)
-    if share > 0:
-        errors = {key: share * scatter[key] + (1 - share) * errors[key] for key in MEASURES}
+    if share > 0 and doubt:
+        apart = compare_extents(measure(square), measure(ellipse))
+        spread = math.sqrt(share * (1 - share))
+        errors = {
+            key: share * scatter[key] + (1 - share) * errors[key] + spread * apart[key]
+            for key in MEASURES
+        }
     if given.yields:
         shape = replace(shape, max_pressure=measure(square).max_pressure)
         errors = errors | {"max_pressure": scatter["max_pressure"]}
@@ -441,10 +447,14 @@ def reconstruct_general_shape(
         return square, dict.fromkeys(MEASURES, np.inf)
     shape, scatter = measure(square), dict.fromkeys(MEASURES, 0.0)
     for weight, each in zip(weights, map(measure, others), strict=False):
-        for name in MEASURES:
-            change = abs(getattr(each, name) / getattr(shape, name) - 1)
+        for name, change in compare_extents(shape, each).items():
             scatter[name] = max(scatter[name], weight * change)
     return square, scatter
+
+
+def compare_extents(shape: PatchShape, other: PatchShape) -> dict[str, float]:
+    """Relative changes of a, b, area and max_pressure from a shape to another one, by name."""
+    return {key: abs(getattr(other, key) / getattr(shape, key) - 1) for key in MEASURES}
 
 
 def general_shape_weight(shape_error: float) -> float:

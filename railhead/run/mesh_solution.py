@@ -21,6 +21,7 @@ from railhead.meshing.grading import Grading
 from railhead.meshing.mesh import ContactMesh
 from railhead.planning import effects
 from railhead.planning.context import PostSolveVerdict
+from railhead.planning.decisions import ELLIPTIC
 from railhead.planning.effects import interface
 from railhead.planning.error_envelopes import Family
 from railhead.planning.forecast import Forecast, Zone, touches_nearby
@@ -163,13 +164,15 @@ class MeshSolution(Answered):
     @property
     def family(self) -> Family | None:
         """Calibrated error envelopes that hold for this solution, with the shape of the solved
-        patch; None where there are none. With yield, off rank 0, and where nothing touches, those
-        of the plan.
+        patch; None where there are none. A patch that is no ellipse in the plan is one where it is
+        read as an ellipse alone. With yield, off rank 0, and where nothing touches, those of the
+        plan.
         """
         plan, found = self.plan, self.findings
         if found is None or plan.family is None or plan.effects["plasticity"].on:
             return plan.family
-        return plan.family_of({**plan.setting, "ellipse": found.hertzian})
+        elliptic = plan.setting["ellipse"] or found.shape_error < ELLIPTIC
+        return plan.family_of({**plan.setting, "ellipse": found.hertzian and elliptic})
 
     @property
     def mirrors(self) -> tuple[Any, ...]:

@@ -154,6 +154,8 @@ FAR_COARSE = {"a_mm": 0.5, "b_mm": 0.5, "area_mm2": 0.5, "approach_mm": 1.5, **S
 COARSER = {
     **dict.fromkeys(("bodies", "soft bodies", "soft theta", "hard theta"), FAR_COARSE),
     **dict.fromkeys(("yield", "far yield", "profiles"), FAR_COARSE),
+    "usual penalty": FAR_COARSE,
+    **dict.fromkeys(("soft penalty", "hard penalty"), {**FAR_COARSE, "b_mm": 0.7}),
     "ellipse": {**FAR_COARSE, "b_mm": 1.1},
     "shallow": {**FAR_COARSE, "a_mm": 1.0, "b_mm": 1.4, "von_mises_max_MPa": 1.0},
     "incompressible": {**FAR_COARSE, "approach_mm": 2.5, "max_MPa": 0.5},

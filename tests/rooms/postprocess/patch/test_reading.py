@@ -141,6 +141,22 @@ def test_numbers_do_not_jump_where_an_ellipse_becomes_another_shape() -> None:
     assert shares[0] == 0.0 and shares[-1] == 1.0 and np.abs(np.diff(read, axis=0)).max() < 0.003
 
 
+def test_a_mean_of_two_readings_is_as_uncertain_as_they_differ(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Halves of both readings differ from their mean by half of their difference."""
+    fields = painted(lambda x, s: 1 - x**2 / 4 - s**2 / 3 - 0.15 * s**4 / 9, (2.6, 2.2), 0.3, 0.02)
+    found = []
+    for share in (0.0, 0.5, 1.0):
+        monkeypatch.setattr(patch, "general_shape_weight", lambda _, share=share: share)
+        found.append(_read(fields))
+    ellipse, mean, general = found
+    for name in patch.MEASURES:
+        apart = abs(getattr(ellipse, name) / getattr(general, name) - 1)
+        own = (ellipse.scatter[name] + general.scatter[name]) / 2
+        assert apart > 1e-5 and mean.scatter[name] == pytest.approx(own + apart / 2, rel=1e-3)
+
+
 def test_an_ellipse_by_construction_is_read_by_its_moments() -> None:
     fields = painted(lambda x, s: 1 - x**2 / 4 - s**2 / 3, (2.6, 2.2), 0.3, 0.02)
     found = patch.read(fields, separate_patches(fields), FRAME, parabolic=True).patch

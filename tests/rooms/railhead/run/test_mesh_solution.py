@@ -3,6 +3,7 @@
 import ctypes
 import json
 from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -35,6 +36,23 @@ def solved(*changes: str, case: str = SPHERE) -> dict:
 
 def told(summary: dict) -> str:
     return terminal.recorded(partial(terminal.show_failure, summary)).export_text()
+
+
+@pytest.mark.parametrize(
+    ("case", "off", "name"),
+    [
+        ("uic54_thesis", 0.015, "bodies"),
+        ("uic54_thesis", 0.025, "profiles"),
+        ("cone20_uninclined_uic54", 0.005, "bodies"),
+        ("cone20_uninclined_uic54", 0.015, "profiles"),
+    ],
+)
+def test_laws_of_ellipses_hold_where_one_is_planned_or_read_alone(case, off, name) -> None:
+    """By the shape error of the solved patch: from 1 % on a general reading is mixed in."""
+    found = SimpleNamespace(hertzian=off < 0.02, shape_error=off)
+    plan = simulation_plan.make(catalogue.find(case))
+    family = mesh_solution.MeshSolution.family
+    assert family.fget(SimpleNamespace(plan=plan, findings=found)).name == name
 
 
 def test_a_rescued_solve_is_a_result(monkeypatch) -> None:
