@@ -266,7 +266,8 @@ def of_strain(
     """What a creepage along of second order (STRAIN), whose value is not known, changes in solids
     of like materials that roll, by key in its unit: the creepage where its force is given, else
     force, moment and T-gamma. The force grows as of Vermeulen and Johnson, J. Appl. Mech. 31
-    (1964), from Kalker's linear theory on. found, findings: tractions and patch. approach: mm.
+    (1964), from Kalker's linear theory on, and turns with the creepage. found, findings: tractions
+    and patch. approach: mm.
     """
     scene = plan.scene
     creepage = STRAIN * approach / scene.wheel.rolling_radius
@@ -275,11 +276,16 @@ def of_strain(
     a, b, pair = findings.patch.a, findings.patch.b, plan.context.half_spaces.materials
     c11 = kalker.coefficients(min(max(a / b, 0.05), 20.0), pair.poisson).c11
     slope = c11 * pair.shear_modulus * a * b * max(1 - found.used, 0.0) ** (2 / 3)
-    force, moment = slope * creepage, slope * creepage * math.sqrt(a * b) / 2
-    along, _, spin = map(abs, found.rigid_motion)
-    work = abs(found.force[0]) * creepage + force * along + moment * spin
+    along, across, spin = map(abs, found.rigid_motion)
+    size = math.hypot(along, across) or 1.0
+    turning = found.used * found.friction_limit / size - slope  # what turns beyond what grows
+    force = (slope + turning * (across / size) ** 2) * creepage
+    aside = abs(turning) * along * across / size**2 * creepage
+    moment = slope * creepage * math.sqrt(a * b) / 2
+    work = abs(found.force[0]) * creepage + force * along + aside * across + moment * spin
     return {
         "force_along_N": force,
+        "force_across_N": aside,
         "moment_Nmm": moment,
         **dict.fromkeys(("t_gamma_N", "wear_number_N"), work),
         "power_W": work * (scene.rolling.speed or 0.0),

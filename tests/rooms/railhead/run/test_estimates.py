@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from one_line import refusal
-from solved import solved
+from solved import planned, solved
 
 import railhead as rh
 from railhead.planning import cost, error_envelopes
@@ -403,3 +403,19 @@ def test_an_accuracy_that_no_grid_of_tractions_meets_is_refused_before_the_first
     given = "friction.coefficient=0.9", "rolling.creepage_across=1e-3", "accuracy=0.07%"
     scene = rh.find("hertz_ellipse").replace(["effects.plasticity=off", *given])
     assert "accuracy: 0.0007: the grid of tractions leaves" in refusal(lambda: rh.solve(scene))
+
+
+def test_a_force_that_slips_turns_with_an_unknown_creepage() -> None:
+    """Nearly all slips across: the force along moves by mu N times creepage over creepage, and
+    that across does not. At 45 deg both move by half of it."""
+    plan = planned("hertz_ellipse", "friction.coefficient=0.3", "rolling.creepage_across=0.01")
+    patch = SimpleNamespace(patch=SimpleNamespace(a=4.0, b=3.0))
+    unknown = estimates.STRAIN * 0.04 / 420
+    for motion, shares in (((0.0, 0.01), (1.0, 0.0)), ((0.01, 0.01), (0.5, 0.5))):
+        rubs = SimpleNamespace(
+            used=1.0, friction_limit=7500.0, rigid_motion=(*motion, 0.0), force=(0.0, 0.0)
+        )
+        moved = estimates.of_strain(plan, rubs, patch, 0.04)
+        full = 7500 * unknown / math.hypot(*motion)
+        forces = moved["force_along_N"], moved["force_across_N"]
+        assert forces == pytest.approx([share * full for share in shares])
