@@ -89,13 +89,19 @@ class FrictionHistory:
             solution = self._step(solution, load_share, force_share)
             if not solution.newton.converged:
                 break
-        direction = np.array(self.system.setup.direction)
         return replace(
             solution,
-            load=solution.load + float(self.contact.force(direction) @ self.nodal),
+            load=solution.load + self._upwards(),
             reference=self.pressed,
             friction=self._friction_solution(),
         )
+
+    def _upwards(self) -> float:
+        """Part of the load that the present tractions carry on inclined surfaces, N, of the whole
+        model.
+        """
+        direction = np.array(self.system.setup.direction)
+        return float(self.contact.force(direction) @ self.nodal)
 
     def _beyond_friction(self) -> str:
         """Why the prescribed forces cannot be carried: in some load step they are above the
@@ -219,6 +225,8 @@ class FrictionHistory:
         starting from the active set of `solution`; `contact` is linearised around the result.
         """
         case = self.case.scaled(self.load_share)
+        if self.system.setup.moving.rigid:  # it has no nodes at which tractions act
+            case = replace(case, load=case.load - self._upwards())
         force = self.condensation.forces(self.nodal, self.contact)
         support = self.condensation.far_displacement(self.tangential)
         case = replace(

@@ -197,6 +197,23 @@ def test_unlike_bodies_dissipate_what_slips() -> None:
     assert sweep_table.row(sweep_table.record({}, {}, found))["T-gamma [N]"] == answer["t_gamma_N"]
 
 
+def test_forces_on_a_rigid_wheel_balance_on_an_inclined_surface() -> None:
+    """Pressing shears a crown outwards, so tractions carry 6 N of 10 kN beside the pressure."""
+    block = {"width": 40, "depth": 15, "length": 30}
+    scene = rh.Scene(
+        load=10e3,
+        quantities="patch,forces",
+        rail=rh.Rail(profile="arc", crown_radius=80, **block),
+        wheel=rh.Wheel(rolling_radius=200, young_modulus=math.inf),
+        friction=rh.Friction(coefficient=0.3),
+        rolling=rh.Rolling(creepage_along=1e-3),
+        mesh=rh.Mesh(patch_size=1.0),
+    )
+    found = solved(scene)
+    assert found.summary["checks"]["force_balance"] < 1e-9
+    assert found.load == pytest.approx(10e3, rel=1e-9)
+
+
 @pytest.mark.parametrize(
     "keys, line",
     [
