@@ -15,6 +15,7 @@ from railhead.postprocess import fatigue, friction, symmetry
 from railhead.postprocess.findings import OnePatch, Patch
 from railhead.postprocess.patch import compare
 from railhead.results import checks
+from railhead.results.quantity_rows import ROUNDING
 from railhead.results.result_folder import origin
 from railhead.run import estimates, half_space_answer
 from railhead.run.half_space_answer import HalfSpaceSolution, Solved
@@ -241,7 +242,7 @@ def _more(solved: Solved, accuracy: Mapping[str, Any]) -> dict[str, Any]:
         small = [
             key
             for key in friction.LOADS[:2]
-            if abs(forces[key]) < accuracy["bound"].get(key, 0.0) * forces["limit_N"]
+            if ROUNDING < abs(forces[key]) / forces["limit_N"] < accuracy["bound"].get(key, 0.0)
         ]
         below = sorted({*forces["below_resolution"], *small} - {*forces["given"]})
         out["friction"] = {**forces, **axle, **stresses, "below_resolution": below}
