@@ -14,6 +14,7 @@ from railhead.meshing.grading import Grading
 
 MIN_QUALITY = 0.01
 RETRIES = (1.0, 0.95, 0.9)  # of the element size, where gmsh leaves a flat element or gives up
+FAR_POWER = 4  # of these of the largest elements, as flat ones lie on fillets far from the patch
 PATIENCE, PACE = 60.0, 1e-3  # s, and s a predicted cell, of which gmsh usually takes a seventh;
 # beyond them it hangs
 
@@ -57,7 +58,8 @@ def generate(
     """Mesh the bodies with gmsh on rank 0 and distribute the mesh (collective).
 
     bodies: what is meshed.
-    grading: element size; where gmsh fails, it is tried again with 0.95 and then 0.9 of `size`.
+    grading: element size; where gmsh fails, it is tried again with 0.95 and then 0.9 of `size`, and
+        with 0.81 and 0.66 of `coarsest`.
     options: type of the cells, degree, symmetry, plane.
     comm: communicator of the mesh. Cells are distributed, gmsh runs on its rank 0 alone.
     meanwhile: what every rank calls while gmsh works; rank 0 calls it again with each new trial.
@@ -75,7 +77,8 @@ def generate(
             reach = max(body.reach for body in bodies)
             seconds += PACE * grading.predicted_cells(reach, hexahedra=hexahedra)
         for share in RETRIES:
-            finer = replace(grading, size=share * grading.size)
+            coarsest = share**FAR_POWER * grading.coarsest
+            finer = replace(grading, size=share * grading.size, coarsest=coarsest)
             try:
                 found, shapes = isolated_process.run(
                     _meshed, bodies, finer, options, seconds=seconds, meanwhile=meanwhile

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from railhead.meshing import isolated_process
+from railhead.meshing import isolated_process, mesh
 from railhead.planning import simulation_plan
 from railhead.results import pipeline, result_folder
 from railhead.results.report import terminal
@@ -184,3 +184,12 @@ def test_a_mesh_that_was_made_again_is_said(monkeypatch) -> None:
     assert level["patch_size_mm"] == pytest.approx(0.95 * result.plan.patch_size)
     shown = terminal.recorded(result.show).export_text()
     assert "gmsh failed at the planned size of elements: they have 0.95 of it" in shown
+
+
+def test_flat_elements_on_a_flange_are_meshed_again_smaller_far_from_the_patch() -> None:
+    """A whole S1002 on 60E1 under 110 kN: flat elements lie 70 mm beside a patch of 8 mm, and
+    smaller ones in the patch alone leave them flat."""
+    keys = ["load=110kN", "wheelset.shift=2mm", "effects.plasticity=off"]
+    plan = simulation_plan.make(catalogue.find("s1002_60e1").replace(keys))
+    found = mesh_solution.generate(plan, plan.grading, MPI.COMM_WORLD)
+    assert found.quality > mesh.MIN_QUALITY and found.share > 0.9
