@@ -70,7 +70,7 @@ class Section:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """s of its ends from its first contact, mm."""
+        """Arc lengths of both ends of the section from the first contact on it, mm."""
         return float(self.s[0]), float(self.s[-1])
 
     def across(self, s: Array, beyond: float | None = None) -> Array:

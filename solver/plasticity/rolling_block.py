@@ -368,9 +368,9 @@ def follow(
     hardening: flow curve.
     Returns the plastic strain (columns, lines, m) and the outgoing state. Where a line of steel
     with back stresses goes on yielding, plastic strain follows by BDF2 over its last two columns
-    (see `LoadStepping`), with an error of second order in their distance; at most 67 % (MOST_AHEAD)
-    of a step is taken from the last one, so that nothing jumps where yield ends. Without back
-    stresses it follows by backward Euler.
+    (see `solver.system.load_stepping.Response`), with an error of second order in their distance;
+    at most 67 % (MOST_AHEAD) of a step is taken from the last one, so that nothing jumps where
+    yield ends. Without back stresses it follows by backward Euler.
     """
     plastic, state = np.empty_like(strain), incoming.at(np.arange(len(mu)))
     equivalent, steps, second = np.empty(strain.shape[:2]), -np.diff(x), hardening.backstresses
